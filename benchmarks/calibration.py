@@ -166,13 +166,13 @@ def fit_peer(
     study, peer: Peer, method, starts: int, say: Callable[[str], None]
 ) -> Fitted:
     """SciPy's least squares on a peer, from the study's first starts."""
-    from jaximpact.calibration.problem.forward_model import engine_of
+    from jaximpact.calibration.problem.forward_model import models_of
     from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import starts_of
 
     from . import least_squares
 
-    engine = engine_of(study)
+    engine = models_of(study)[0]
     ended, used = [], 0.0
     for variant in study.variants:
         x = starts_of(Objective(study, variant, engine))[:starts]

@@ -27,7 +27,7 @@ def main() -> None:
     import make
 
     from jaximpact.calibration.problem.config import read_study
-    from jaximpact.calibration.problem.forward_model import engine_of
+    from jaximpact.calibration.problem.forward_model import models_of
     from jaximpact.calibration.problem.objective import Objective
     from jaximpact.cli import options
     from jaximpact.tasks import call_each, computing
@@ -46,7 +46,7 @@ def main() -> None:
         for name in chosen:
             study = read_study(FOLDER / name / "study.toml")
             study = dataclasses.replace(study, starts=arguments.starts)
-            engine = engine or engine_of(study)
+            engine = engine or models_of(study)[0]
             sigma = make.NOISE * np.where(study.known, np.abs(study.measured), 1.0)
             for stated in (True, False):
                 if arguments.sigmas not in (None, "stated" if stated else "estimated"):

@@ -34,7 +34,7 @@ from jaximpact.calibration.diagnostics.jumps import shares_of
 from jaximpact.calibration.estimation.branches import NEAR
 from jaximpact.calibration.estimation.least_squares import ROUGH, Fits
 from jaximpact.calibration.estimation.starts import fit, fit_starts, one_of, polish
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import fit_study, judge_lowest, starts_of
 from jaximpact.cli import options
@@ -104,7 +104,7 @@ def repeat(
         kept = (json.loads(line) for line in keep.read_text().splitlines())
         rows = {(row["twin"], row["number"]): row for row in kept}
     made = [Twin(seed) for seed in range(1, twins + 1)]
-    engine = engine_of(made[0].study(0))
+    engine = models_of(made[0].study(0))[0]
     every = itertools.product(range(1, repeats + 1), range(1, twins + 1))
     missing = [(seed, number) for number, seed in every if (seed, number) not in rows]
 

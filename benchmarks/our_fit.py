@@ -22,20 +22,20 @@ def main(started: str, path: str) -> None:
 
     jax.config.update("jax_enable_x64", True)
     from jaximpact.calibration import fit_study, read_study
-    from jaximpact.calibration.problem.engine import Engine
-    from jaximpact.calibration.problem.forward_model import engine_of
+    from jaximpact.calibration.problem.forward_model import models_of
+    from jaximpact.calibration.problem.program import Program
 
     imported, begin = time.time() - float(started), time.perf_counter()
     study = read_study(Path(path))
-    engine_of(study)
+    models_of(study)
     compiled = time.perf_counter() - begin
-    counts, run = [], Engine.run
+    counts, run = [], Program.run
 
-    def counted(engine, leaves, *others):
-        counts.append(leaves.shape[1])
-        return run(engine, leaves, *others)
+    def counted(program, rows, accuracy, *, derivatives):
+        counts.append(len(rows.own))
+        return run(program, rows, accuracy, derivatives=derivatives)
 
-    Engine.run = counted
+    Program.run = counted
     result = fit_study(study)
     tests = len(study.tests)
     # With one sigma the cost is half the sum of squares over it.

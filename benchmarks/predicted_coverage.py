@@ -101,14 +101,14 @@ def _impacts(random, targets, spread):
     study = study_of(joined_tables((table_given(nothing),)), {})
     objective = Objective(study, study.variants[0], _engine(study))
     x = objective.bounds.coordinate(np.array([[p.start for p in study.parameters]]))
-    found = objective.evaluate_partially(x, np.zeros(x.shape, bool))
+    found = objective.values(x)
     return columns, found.predicted[0]
 
 
 def _engine(study):
-    from jaximpact.calibration.problem.forward_model import engine_of
+    from jaximpact.calibration.problem.forward_model import models_of
 
-    return engine_of(study)
+    return models_of(study)[0]
 
 
 def _rows(columns, measured, targets, chosen):

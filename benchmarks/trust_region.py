@@ -24,7 +24,7 @@ jax.config.update("jax_enable_x64", True)
 from jaximpact.calibration import read_study  # noqa: E402
 from jaximpact.calibration.estimation.least_squares import FINE  # noqa: E402
 from jaximpact.calibration.estimation.starts import fit  # noqa: E402
-from jaximpact.calibration.problem.forward_model import engine_of  # noqa: E402
+from jaximpact.calibration.problem.forward_model import models_of  # noqa: E402
 from jaximpact.calibration.problem.objective import Objective  # noqa: E402
 from jaximpact.calibration.study import starts_of  # noqa: E402
 
@@ -70,7 +70,7 @@ def main() -> None:
     for path in arguments.studies or [FOLDER / name for name in STUDIES]:
         study = read_study(path)
         for variant in study.variants:
-            objective = Objective(study, variant, engine_of(study))
+            objective = Objective(study, variant, models_of(study)[0])
             x = starts_of(objective)[: arguments.starts]
             objective(x[:1])  # compiles
             begin = time.process_time()

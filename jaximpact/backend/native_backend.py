@@ -12,17 +12,16 @@ from pathlib import Path
 from typing import Any
 
 import jax
-import numpy as np
 
 from .._packages import versions
-from ..accuracy import MAX_STEPS, RETRIES, Accuracy
+from ..accuracy import MAX_STEPS, RETRIES
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..identity import clear_when_edited, described, heed_edits, tracing, users_code
 from ..impact.events import Outcome
 from ..impact.problem import Assembly
 from ..impact.results import empty_summary
 from ..store import kept
-from .simd import Code, Kernel, KernelSet, NoMachineCode, Retries, host, keep_objects
+from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_objects
 
 keep_objects(kept)
 
@@ -180,16 +179,3 @@ def installed() -> tuple[dict[str, str], str]:
         if path.suffix in (".py", ".ll"):
             digest.update(path.read_bytes())
     return versions(), digest.hexdigest()
-
-
-def with_setting(leaves: np.ndarray, accuracy: Accuracy) -> np.ndarray:
-    """Return the inputs of the machine code as one array, from leaves of scenes
-    (leaves, lanes)."""
-    setting = np.array([[accuracy.tolerance], [accuracy.floor]])
-    return np.concatenate([leaves, np.broadcast_to(setting, (2, leaves.shape[1]))])
-
-
-def solve_rows(kernel: Kernel, inputs: np.ndarray):
-    """Compute inputs of shape (rows, lanes) by one core."""
-    results, _ = KernelSet([kernel]).compute(inputs, 1)
-    return jax.tree.unflatten(kernel.structure, list(results))

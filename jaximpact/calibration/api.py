@@ -115,11 +115,15 @@ class Calibration:
         for index, parameter in enumerate(study.parameters):
             column = columns[parameter.name]
             fields[column.field] = column.factor * float(fitted.parameters[index])
-        names = tuple(parameter.name for parameter in study.parameters)
+        values = {
+            parameter.name: value
+            for parameter, value in zip(
+                study.parameters, fitted.parameters, strict=False
+            )
+        }
         for tied in study.tied:
-            value, _ = tied.evaluate(names, fitted.parameters[None, : len(names)])
             column = columns[tied.name]
-            fields[column.field] = column.factor * float(value[0])
+            fields[column.field] = column.factor * float(tied.evaluate(values))
         return dataclasses.replace(soil, **fields)
 
     @property

@@ -28,8 +28,7 @@ from .diagnostics.predictive import CONFIDENCES, Predictive, predictive
 from .fitted_ground import FittedGround, FittedVariant
 from .problem.config import Study
 from .problem.dataset import Measurements
-from .problem.engine import Engine
-from .problem.forward_model import engines_of
+from .problem.forward_model import ForwardModel, models_of
 from .problem.nuisance import EACH_TEST, open_nuisances
 from .problem.objective import Objective
 
@@ -116,9 +115,9 @@ def predict_tests(
     """Predict tests with every variant of a ground that was read from files."""
     study, variants = held_out_study(ground, measurements), []
     progress("compiling once")
-    for fitted, engine in zip(ground.variants, engines_of(study), strict=True):
+    for fitted, model in zip(ground.variants, models_of(study), strict=True):
         told = f"variant {len(variants) + 1} of {len(ground.variants)}: "
-        given = study, ground, fitted, engine
+        given = study, ground, fitted, model
         variants.append(predict_variant(*given, progress.within(told)))
     return PredictedTests(
         ground=ground,
@@ -226,11 +225,11 @@ def predict_variant(
     study: Study,
     ground: FittedGround,
     fitted: FittedVariant,
-    engine: Engine,
+    model: ForwardModel,
     progress: Progress = SILENT,
 ) -> VariantPrediction:
     """Predict the tests of a study with one variant of a fitted ground."""
-    objective = Objective(study, fitted.variant, engine, PRESETS[ground.accuracy])
+    objective = Objective(study, fitted.variant, model, PRESETS[ground.accuracy])
     best, draws, weights = unknowns(study, fitted, ground.seed)
     bounds = objective.bounds
     best, draws = (

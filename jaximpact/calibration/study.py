@@ -27,8 +27,7 @@ from .estimation.starts import (
     with_origin,
 )
 from .problem.config import Study, Variant
-from .problem.engine import Engine
-from .problem.forward_model import engines_of, for_each_variant
+from .problem.forward_model import ForwardModel, for_each_variant, models_of
 from .problem.objective import Objective, names_of, start_of
 
 LOWER_BY = 1e-3
@@ -55,18 +54,18 @@ def fit_study(
     """
     progress, begin = as_progress(progress), time.perf_counter()
     progress("compiling once")
-    engines = engines_of(study)
+    models = models_of(study)
     several = len(study.variants) > 1
 
-    def fitted(item: tuple[Variant, Engine], progress: Progress) -> VariantResult:
-        variant, engine = item
-        objective = Objective(study, variant, engine)
+    def fitted(item: tuple[Variant, ForwardModel], progress: Progress) -> VariantResult:
+        variant, model = item
+        objective = Objective(study, variant, model)
         progress = progress.within(f"{variant.name}: ") if several else progress
         return _fit_variant(objective, variant, progress)
 
-    items = list(zip(study.variants, engines, strict=True))
-    results = for_each_variant(engines, fitted, items, progress)
-    names = " and ".join(sorted({engine.name for engine in engines}))
+    items = list(zip(study.variants, models, strict=True))
+    results = for_each_variant(models, fitted, items, progress)
+    names = " and ".join(sorted({model.engine for model in models}))
     return StudyResult(study, results, time.perf_counter() - begin, names)
 
 

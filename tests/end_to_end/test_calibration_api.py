@@ -26,7 +26,7 @@ from jaximpact.calibration.api import ground_of
 from jaximpact.calibration.arguments import study_given, table_given
 from jaximpact.calibration.prediction import held_out_study, predict_variant
 from jaximpact.calibration.problem.dataset import joined_tables
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -286,14 +286,14 @@ def test_draws_are_predicted_as_exactly_as_they_were_drawn(found):
     study = held_out_study(ground, joined_tables((table_given(NEW),)))
     (fitted,) = ground.variants
     alone = fitted._replace(draws=fitted.draws[:1], weights=np.ones(1))
-    engine = engine_of(study)
+    model = models_of(study)[0]
     low = {}
     for name in ("fast", "balanced"):
         of_one = alone._replace(accuracy=PRESETS[name])
-        low[name] = predict_variant(study, ground, of_one, engine).model_low
-    objective = Objective(study, fitted.variant, engine, PRESETS["balanced"])
+        low[name] = predict_variant(study, ground, of_one, model).model_low
+    objective = Objective(study, fitted.variant, model, PRESETS["balanced"])
     x = objective.bounds.coordinate(fitted.draws[:1])
-    exact = objective.evaluate_partially(x, np.zeros(x.shape, bool)).predicted[0]
+    exact = objective.values(x).predicted[0]
     np.testing.assert_array_equal(low["balanced"], exact)
     assert not np.array_equal(low["fast"], exact)
 

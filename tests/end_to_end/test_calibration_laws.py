@@ -21,7 +21,7 @@ from jaximpact import (
 )
 from jaximpact.calibration import read_study, suggest_tests
 from jaximpact.calibration.fitted_ground import read_fitted
-from jaximpact.calibration.problem.forward_model import engine_of, engines_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -289,8 +289,8 @@ def test_bad_calls(tmp_path):
 
 def predicted_by(study, variant, values):
     """What the objective of a variant gives for values of its unknowns."""
-    engine = engines_of(study)[study.variants.index(variant)]
-    objective = Objective(study, variant, engine)
+    model = models_of(study)[study.variants.index(variant)]
+    objective = Objective(study, variant, model)
     x = objective.bounds.coordinate(np.array([values], float))
     return objective(x), objective
 
@@ -343,7 +343,7 @@ prior = { mean = 0.3, sd = 0.05 }
     write_rows(tmp_path / "tests.csv", names, rows)
     study = read_study(path)
     points, objective = predicted_by(study, study.variants[0], [2.0, 0.2, 0.4])
-    assert objective.engine.name == "machine code"
+    assert objective.model.engine == "machine code"
     law = study.tests.base.soil.flow
     flow = type(law)(my_rate=np.array(rates), my_limit=np.array([0.2, 0.4, 0.2]))
     expected = measured(FITTED[:3], Soil(flow=flow, c_v=2.0))
@@ -390,28 +390,6 @@ def test_a_shape_stands_in_one_place(tmp_path, capsys):
     )
     assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
     assert_one_line_error(capsys, "block.shape", "stands in tests.csv too")
-
-
-def test_dashpots_of_ones_own(tmp_path, monkeypatch):
-    """They cost nothing where they do not act, and act where they are fitted."""
-    # What is compiled is not looked at.
-    monkeypatch.setattr(
-        "jaximpact.calibration.problem.engine.computes_on_cpu", lambda: False
-    )
-    text = """\
-data = "tests.csv"
-[soil]
-damping = "my_laws.py:OneRatio"
-[parameters]
-c_v = {}
-"""
-    study = read_study(write_study(tmp_path, text))
-    assert not engine_of(study).assembly.model.damped
-    fitted = text.replace("c_v = {}", "my_ratio = { lower = 0.01, upper = 1.0 }")
-    fitted = fitted.replace("lower", "start = 0.1, lower")
-    assert engine_of(read_study(write_study(tmp_path, fitted))).assembly.model.damped
-    held = text.replace("[parameters]", "my_ratio = 0.2\n[parameters]")
-    assert engine_of(read_study(write_study(tmp_path, held))).assembly.model.damped
 
 
 def test_the_next_test_of_a_law(found):

@@ -377,6 +377,8 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         (lambda: Block(mass=pd.array(["1"])), "Block.mass must be a number"),
         (lambda: simulate(SOIL, BLOCK, IMPACT), "block must be of type Block"),
         (lambda: simulate(BLOCK, SOIL, 3), "impact must be of type Impact"),
+        (lambda: simulate(3), "block must be of type Block, but is 3"),
+        (lambda: simulate(Scene(), SOIL), "a scene holds its soil and its impact"),
         (
             lambda: Soil(flow=3),
             "Soil.flow must be of a class derived from AbstractFlow",
@@ -389,6 +391,13 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         (lambda: simulate(BLOCK, SOIL, IMPACT, accuracy=[]), "accuracy must be one of"),
         (lambda: simulate(Block(mass=-1), SOIL, IMPACT), "must be above 0 kg"),
         (lambda: simulate(Block(mass=np.inf), SOIL, IMPACT), "must be above 0 kg"),
+        (lambda: simulate(Scene(impact=Impact(speed=np.nan))), "speed must be above 0"),
+        (lambda: simulate(Scene(impact=Impact(angle=np.pi / 2))), r"be in \(-90, 90\)"),
+        (
+            lambda: simulate(Scene(soil=Soil(poisson=0.7))),
+            r"poisson must be in \[0, 0.5\]",
+        ),
+        (lambda: simulate(Scene(), accuracy="balancd"), r"did you mean balanced\?"),
         (
             lambda: simulate(BLOCK, SOIL, Impact(angle=40)),
             "is 40 rad = 2292 deg; deg. 40 deg is 0.6981 rad",

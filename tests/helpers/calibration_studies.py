@@ -4,7 +4,9 @@ model in place of impacts, of which every answer is known."""
 import numpy as np
 from text_files import write_rows
 
+from jaximpact.backend import MACHINE_CODE
 from jaximpact.calibration import read_study
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 
 
@@ -16,10 +18,19 @@ def write_study_of(folder, text, columns, rows):
     return path
 
 
-def objective_of(path, engine, accuracy=None):
+def objective_of(path, accuracy=None):
     """The objective of the first variant of a study."""
     study = read_study(path)
-    return Objective(study, study.variants[0], engine, accuracy)
+    return Objective(study, study.variants[0], models_of(study)[0], accuracy)
+
+
+class NoModel:
+    """Stands for the model of impacts where predictions are made otherwise."""
+
+    engine = MACHINE_CODE
+
+    def of_tests(self, tests):
+        return self
 
 
 class Linear(Objective):
@@ -27,15 +38,17 @@ class Linear(Objective):
 
     matrix = None
 
-    def _predict(self, x, wanted):
+    def __init__(self, study, variant, model=None):
+        super().__init__(study, variant, NoModel())
+
+    def _predict(self, x, derivatives):
         predicted = (x @ self.matrix.T)[:, :, None]
-        jacobian = np.where(wanted.T[:, None, None, :], self.matrix[:, None, :], 0.0)
+        jacobian = np.zeros((*predicted.shape, x.shape[1]))
+        if derivatives:
+            jacobian[:] = self.matrix[:, None, :]
         return predicted, np.zeros((len(x), len(self.matrix))), jacobian
 
     def of_tests(self, tests):
         part = super().of_tests(tests)
         part.matrix = self.matrix[tests]
         return part
-
-    def values(self, x, of=0):
-        return self.evaluate_partially(x, np.zeros(x.shape, bool))

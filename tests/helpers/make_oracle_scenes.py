@@ -1,7 +1,7 @@
 """Regenerate data/oracle_scenes.csv: random scenes with the results of
 :mod:`model_oracle`.
 
-    OMP_NUM_THREADS=1 python make_oracle_scenes.py [--count 300] [--out FILE]
+    OMP_NUM_THREADS=1 python make_oracle_scenes.py
 
 The seed is fixed, so that the scenes are the same each time. Each is run at rtol 1e-8
 and 1e-9; the results are those of 1e-9, and ``oracle_error`` is the largest change of
@@ -12,17 +12,14 @@ scene sits on a knife edge. Progress goes to stderr.
 
 from __future__ import annotations
 
-import argparse
-import csv
 import math
 import signal
 import sys
-import time
-from pathlib import Path
 
 import numpy as np
 from model_oracle import DEFAULTS, RESULTS, simulate
 from paths import DATA
+from text_files import write_rows
 
 SEED = 20231
 LIMIT_S = 60
@@ -109,62 +106,24 @@ def run(scene: dict, rtol: float):
 
 
 def main() -> None:
-    ap = argparse.ArgumentParser(description=__doc__)
-    ap.add_argument("--count", type=int, default=300)
-    ap.add_argument("--out", type=Path, default=DATA / "oracle_scenes.csv")
-    args = ap.parse_args()
-    todo = scenes(args.count)
-    args.out.parent.mkdir(parents=True, exist_ok=True)
-    began = time.perf_counter()
-    skipped, counts = [], {}
-    tmp = args.out.with_suffix(".part")
-    with tmp.open("w", newline="") as fh:
-        wr = csv.writer(fh, lineterminator="\n")
-        wr.writerow(["scene", *DEFAULTS, *RESULTS, *EXTRA])
-        for i, sc in enumerate(todo):
-            t0 = time.perf_counter()
-            loose, tight = run(sc, 1e-8), run(sc, 1e-9)
-            dt = time.perf_counter() - t0
-            if loose is None:
-                skipped.append(i)
-                print(
-                    f"{i}: SKIPPED, over {LIMIT_S} s", sc, file=sys.stderr, flush=True
-                )
-                continue
-            best = (
-                tight if tight is not None and tight["outcome"] != "failed" else loose
-            )
-            err = change(loose, tight) if tight is not None else math.nan
-            row = dict(best, oracle_error=err, outcome_loose=loose["outcome"])
-            counts[best["outcome"]] = counts.get(best["outcome"], 0) + 1
-            wr.writerow(
-                [i]
-                + [repr(sc[k]) for k in DEFAULTS]
-                + [
-                    row[k] if isinstance(row[k], str) else f"{row[k]:.10g}"
-                    for k in (*RESULTS, *EXTRA)
-                ]
-            )
-            note = (
-                ""
-                if err < 1e-5 and best["outcome"] == loose["outcome"]
-                else f"  SENSITIVE ({loose['outcome']})"
-            )
-            spent = time.perf_counter() - began
-            left = spent / (i + 1) * (len(todo) - i - 1)
-            residual = best["ledger_residual_J"] / best["kinetic_in_J"]
-            print(
-                f"{i + 1}/{len(todo)}  {dt:5.1f} s  {best['outcome']:10s} "
-                f"e_n {best['e_n']:+.4f}  change {err:.1e}  residual {residual:+.1e}  "
-                f"left {left:.0f} s{note} {best['message']}",
-                file=sys.stderr,
-                flush=True,
-            )
-    tmp.replace(args.out)
-    print(
-        f"{counts}; skipped {skipped}; {time.perf_counter() - began:.0f} s",
-        file=sys.stderr,
-    )
+    rows, todo = [], scenes()
+    for number, scene in enumerate(todo):
+        loose, tight = run(scene, 1e-8), run(scene, 1e-9)
+        if loose is None:
+            print(f"{number}: left out, over {LIMIT_S} s: {scene}", file=sys.stderr)
+            continue
+        sound = tight is not None and tight["outcome"] != "failed"
+        best = tight if sound else loose
+        error = change(loose, tight) if tight is not None else math.nan
+        row = best | dict(oracle_error=error, outcome_loose=loose["outcome"])
+        results = [row[name] for name in (*RESULTS, *EXTRA)]
+        rows.append(
+            [number, *(repr(scene[name]) for name in DEFAULTS)]
+            + [x if isinstance(x, str) else f"{x:.10g}" for x in results]
+        )
+        words = f"{best['outcome']}, changes by {error:.1e} {best['message']}"
+        print(f"{number + 1} of {len(todo)}: {words}", file=sys.stderr, flush=True)
+    write_rows(DATA / "oracle_scenes.csv", ["scene", *DEFAULTS, *RESULTS, *EXTRA], rows)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ time every eighth scene is kept, and of these those that take "balanced" no more
 """
 
 import argparse
-import csv
 import itertools
 import math
 from pathlib import Path
@@ -19,6 +18,7 @@ from pathlib import Path
 import jax
 import numpy as np
 from paths import DATA
+from text_files import write_rows
 
 from jaximpact import Block, Impact, Scene, Soil, simulate_batch
 
@@ -171,13 +171,8 @@ def main() -> None:
     result = simulate_batch(scene_of(columns), accuracy="reference")
     columns |= {f"end_{name}": getattr(result, name) for name in ENDS}
 
-    path = args.out.with_suffix(".part")
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        for values in zip(*columns.values(), strict=True):
-            writer.writerow([f"{value:.16g}" for value in values])
-    path.replace(args.out)
+    rows = zip(*columns.values(), strict=True)
+    write_rows(args.out, columns, ([f"{x:.16g}" for x in row] for row in rows))
 
 
 if __name__ == "__main__":

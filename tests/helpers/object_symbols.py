@@ -1,4 +1,4 @@
-"""Names that an object file of ELF, COFF or Mach-O leaves to libraries."""
+"""Names that an object file of ELF or Mach-O leaves to libraries."""
 
 import struct
 
@@ -7,9 +7,8 @@ def undefined(data):
     """Names of the symbols that an object file uses and does not hold."""
     if data[:4] == b"\x7fELF":
         return _of_elf(data)
-    if data[:4] == b"\xcf\xfa\xed\xfe":
-        return _of_mach_o(data)
-    return _of_coff(data)
+    assert data[:4] == b"\xcf\xfa\xed\xfe"
+    return _of_mach_o(data)
 
 
 def _text(data, start):
@@ -44,18 +43,4 @@ def _of_mach_o(data):
                 if not of & 0x0E:
                     found.add(_text(data, names + name))
         place += size
-    return found
-
-
-def _of_coff(data):
-    start, count = struct.unpack_from("<2I", data, 8)
-    names, place, found = start + 18 * count, start, set()
-    while place < names:
-        name, value, section, _, storage, further = struct.unpack_from(
-            "<8sIhH2B", data, place
-        )
-        if section == 0 and storage == 2 and value == 0:
-            zeros, at = struct.unpack("<2I", name)
-            found.add(name.rstrip(b"\0").decode() if zeros else _text(data, names + at))
-        place += 18 * (1 + further)
     return found

@@ -40,7 +40,7 @@ from jaximpact.calibration.diagnostics.residuals import residuals_of
 from jaximpact.calibration.diagnostics.uncertainty import estimate, regular_covariance
 from jaximpact.calibration.estimation.least_squares import bounded_step
 from jaximpact.calibration.estimation.starts import fit
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective, Points
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -394,27 +394,21 @@ def write_study(folder, measured=None, text=STUDY, tests=TESTS, campaigns=None):
     return write_study_of(folder, text, columns, rows)
 
 
-def model(folder, engine, tests):
+def model(folder, tests):
     """What the model gives at the true soil."""
-    objective = objective_of(write_study(folder, tests=tests), engine)
+    objective = objective_of(write_study(folder, tests=tests))
     return objective(objective.bounds.coordinate(TRUE)[None]).predicted[0]
 
 
 @pytest.fixture(scope="module")
-def engine(tmp_path_factory):
-    """The machine code that all tests share."""
-    return engine_of(read_study(write_study(tmp_path_factory.mktemp("engine"))))
-
-
-@pytest.fixture(scope="module")
-def fitted(tmp_path_factory, engine):
+def fitted(tmp_path_factory):
     """The fit of a twin without noise."""
     folder = tmp_path_factory.mktemp("twin")
-    measured = model(folder, engine, TESTS)
+    measured = model(folder, TESTS)
     return fit_study(read_study(write_study(folder, measured))).variants[0]
 
 
-def test_a_gap_among_given_sigmas(tmp_path, engine):
+def test_a_gap_among_given_sigmas(tmp_path):
     """A cell without a measurement has no sigma either; the gradient has none of it."""
     path = write_study(tmp_path)
     path.with_name("tests.csv").write_text(
@@ -422,13 +416,13 @@ def test_a_gap_among_given_sigmas(tmp_path, engine):
         "10,0.2,0.01,,\n20,0.2,0.02,0.1,0.01\n"
     )
     path.write_text(STUDY[: STUDY.index("[default_sigma]")])
-    objective = objective_of(path, engine)
+    objective = objective_of(path)
     points = objective(objective.bounds.coordinate(TRUE)[None])
     assert np.all(np.isfinite(points.gradient))
     assert np.all(np.isfinite(points.hessian))
 
 
-def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
+def test_a_further_test_shrinks_errors_as_promised(tmp_path, fitted):
     """Against the fit of a study that has it."""
     sigma = {"e_n": 0.01, "max_penetration_m": 0.005}
     candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
@@ -436,8 +430,8 @@ def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
     best = found.chosen[0]
     added = best.scene["mass_kg"], best.scene["speed_mps"]
     tests = (*TESTS, added)
-    measured = model(tmp_path, engine, tests)
-    objective = objective_of(write_study(tmp_path, measured, tests=tests), engine)
+    measured = model(tmp_path, tests)
+    objective = objective_of(write_study(tmp_path, measured, tests=tests))
     again = fit(objective, fitted.points.x)
     errors = estimate(objective, again.points).standard_errors
     # The bounds, as a prior, add 1e-3; derivatives are to 1e-3 at this accuracy.
@@ -447,16 +441,16 @@ def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
     # No other candidate would have done better.
     volumes = []
     for other in zip(*found.candidates.values(), strict=True):
-        measured = model(tmp_path, engine, (*TESTS, other))
+        measured = model(tmp_path, (*TESTS, other))
         path = write_study(tmp_path, measured, tests=(*TESTS, other))
-        objective = objective_of(path, engine)
+        objective = objective_of(path)
         covariance = estimate(objective, objective(fitted.points.x)).covariance
         volumes.append(np.linalg.slogdet(covariance)[1])
     places = list(zip(*found.candidates.values(), strict=True))
     assert places[int(np.argmin(volumes))] == added
 
 
-def test_errors_are_those_of_repeated_noise(tmp_path, engine, fitted):
+def test_errors_are_those_of_repeated_noise(tmp_path, fitted):
     """Brute force: the scatter of refits to 60 noisy repeats, with the test that was
     suggested, is what was promised."""
     sigma = np.array([0.01, 0.005])
@@ -464,7 +458,7 @@ def test_errors_are_those_of_repeated_noise(tmp_path, engine, fitted):
     candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
     best = suggest_tests(fitted, candidates, measure, together=True, count=1).chosen[0]
     tests = (*TESTS, (best.scene["mass_kg"], best.scene["speed_mps"]))
-    measured = model(tmp_path, engine, tests)
+    measured = model(tmp_path, tests)
     random = np.random.default_rng(0)
     study = read_study(write_study(tmp_path, measured, tests=tests))
     # A tenth of the noise, so that the model is linear over it.
@@ -473,17 +467,17 @@ def test_errors_are_those_of_repeated_noise(tmp_path, engine, fitted):
     for _ in range(60):
         noisy = measured + 0.1 * sigma * random.normal(size=measured.shape)
         repeat = dataclasses.replace(study, measured=noisy)
-        objective = Objective(repeat, repeat.variants[0], engine)
+        objective = Objective(repeat, repeat.variants[0], models_of(repeat)[0])
         ends.append(fit(objective, fitted.points.x).points.x[0])
     scatter = np.std(ends, axis=0, ddof=1)
     # The standard deviation of 60 is known to 9 %: 3.5 of that.
     np.testing.assert_allclose(scatter, 0.1 * best.errors, rtol=0.32)
 
 
-def test_further_tests_where_data_determine_nothing(tmp_path, engine):
+def test_further_tests_where_data_determine_nothing(tmp_path):
     """One vertical drop, one number: the bounds stand in for data, and it is said."""
     tests = (TESTS[1],)
-    measured = model(tmp_path, engine, tests)
+    measured = model(tmp_path, tests)
     measured[:, 1] = np.nan
     text = STUDY.replace("max_penetration_m = 0.005\n", "")
     path = write_study(tmp_path, measured, text, tests)
@@ -562,11 +556,11 @@ def test_a_sigma_in_words():
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory, engine):
+def written(tmp_path_factory):
     """A noisy twin of two campaigns with a parameter that nothing depends on, and its
     files; interrupted once, which leaves none behind."""
     folder = tmp_path_factory.mktemp("report")
-    measured = model(folder, engine, TESTS)
+    measured = model(folder, TESTS)
     measured = measured * (
         1.0 + 0.02 * np.random.default_rng(3).normal(size=measured.shape)
     )
@@ -643,7 +637,7 @@ FEW = {
 
 
 @pytest.mark.parametrize(("rows", "words"), FEW.values(), ids=FEW)
-def test_a_report_of_next_to_nothing(tmp_path, engine, capsys, rows, words):
+def test_a_report_of_next_to_nothing(tmp_path, capsys, rows, words):
     (tmp_path / "tests.csv").write_text(
         f"mass_kg,speed_mps,e_n,max_penetration_m\n{rows}\n"
     )
@@ -734,8 +728,8 @@ def test_draws_whose_costs_are_rough_are_computed_again(tmp_path):
 
         sizes = None
 
-        def _predict(self, x, wanted):
-            predicted, outcomes, jacobian = super()._predict(x, wanted)
+        def _predict(self, x, derivatives):
+            predicted, outcomes, jacobian = super()._predict(x, derivatives)
             error = self.sizes[draws.LADDER.index(self.accuracy)] * np.sin(
                 1e5 * x[:, :1]
             )
@@ -753,12 +747,12 @@ def test_draws_whose_costs_are_rough_are_computed_again(tmp_path):
     assert draw(rough, points, 1.0).rough
 
 
-def test_nuts_agrees_with_laplace(tmp_path, engine):
+def test_nuts_agrees_with_laplace(tmp_path):
     """A twin with 2 % of noise, where the posterior is near normal, and its file."""
     pytest.importorskip("blackjax")
     arviz = pytest.importorskip("arviz")
     tests = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0))
-    measured = model(tmp_path, engine, tests)
+    measured = model(tmp_path, tests)
     random = np.random.default_rng(5)
     noisy = measured * (1.0 + 0.02 * random.normal(size=measured.shape))
     text = STUDY.replace("k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }\n", "")
@@ -822,24 +816,6 @@ def test_nuts_agrees_with_laplace(tmp_path, engine):
     predicted = data.posterior_predictive.measured.values.mean((0, 1))
     sigma = np.tile([0.002, 0.005], len(tests))
     assert np.all(np.abs(predicted - noisy.ravel()) < 4.0 * sigma)
-
-
-def test_an_interrupt_of_the_sampling_is_one(tmp_path, engine):
-    """Ctrl-C within the density comes out as that, not as an error of JAX."""
-    pytest.importorskip("blackjax")
-    pytest.importorskip("arviz")
-    tests = TESTS[:1]
-    measured = model(tmp_path, engine, tests)
-    text = STUDY.replace("starts = 6", "starts = 2")
-    variant = fit_study(read_study(write_study(tmp_path, measured, text, tests)))
-    variant = variant.variants[0]
-
-    def interrupted(progress):
-        if "density" in progress:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        sample_posterior(variant, chains=2, warmup=20, count=2, progress=interrupted)
 
 
 def test_sampling_without_the_extra(tmp_path, capsys, monkeypatch):

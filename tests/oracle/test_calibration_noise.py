@@ -138,7 +138,7 @@ def test_gaps_and_limits():
 class OneEach(Linear):
     """Each test measures its own target: `x` times a slope."""
 
-    def _predict(self, x, wanted):
+    def _predict(self, x, derivatives):
         predicted = x[:, :, None] * self.matrix
         jacobian = np.broadcast_to(
             self.matrix[..., None], (len(x), *self.matrix.shape, 1)

@@ -30,7 +30,7 @@ from jaximpact.calibration.prediction import (
 from jaximpact.calibration.problem.config import Variant, study_of
 from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.problem.fitted_parameters import Parameter
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import best_fit
 from jaximpact.errors import InputError
@@ -292,7 +292,7 @@ def test_intervals_cover_what_is_measured_next():
     measured anew. Intervals of 50 and 95 % hold so many of the new measurements, and
     the model's own of 95 % hold so many of the noiseless values."""
     study = study_of_columns(np.full((8, 2), 0.2))
-    engine = engine_of(study)
+    engine = models_of(study)[0]
     objective = Objective(study, study.variants[0], engine)
     truth = objective(objective.bounds.coordinate(TRUE)[None]).predicted[0]
     noise, random = np.array(list(NOISE.values())), np.random.default_rng(0)

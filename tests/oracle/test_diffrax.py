@@ -2,7 +2,6 @@
 come to the same results, and a contact in closed form is met exactly."""
 
 import dataclasses
-import re
 
 import diffrax
 import jax
@@ -20,7 +19,6 @@ from kelvin_voigt import (
     exact_deepest,
     exact_restitution,
 )
-from paths import DOCS
 
 from jaximpact import PRESETS, Block, Impact, Scene, Soil, simulate
 from jaximpact.backend.simd import KernelSet, compile_kernel
@@ -176,21 +174,6 @@ def test_other_solvers_come_to_the_same_numbers():
     assert found.history.time[-1] == pytest.approx(float(found.duration), rel=1e-9)
 
 
-PAGE = DOCS / "two-ways.md"
-
-
-@pytest.mark.xla
-def test_the_page_runs_as_it_stands(capsys):
-    (block,) = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(), re.M | re.S)
-    exec(compile(block, str(PAGE), "exec"), {})
-    lines = capsys.readouterr().out.splitlines()
-    engines = "machine code", "diffrax", "diffrax, Dopri8", "diffrax, Dopri8"
-    assert all(map(str.startswith, lines, engines))
-    e_n = [float(line.split()[-2]) for line in lines[:3]]
-    # The tolerance of `balanced`, 1e-5
-    np.testing.assert_allclose(e_n, e_n[0], rtol=1e-5)
-
-
 def results_of(scene, **how):
     """Some results as a function of fluidity and speed."""
 
@@ -276,19 +259,6 @@ def test_contact_in_closed_form_through_the_packages_steps_and_landing():
     assert -end.vector[1] / SPEED == pytest.approx(RESTITUTION, abs=1e-12)
     # Errors of steps are those of the value, some 1e-13, over the change that it makes.
     np.testing.assert_allclose(slopes, SLOPES, rtol=1e-10)
-
-
-@pytest.mark.slow
-def test_derivatives_by_an_implicit_solver():
-    solver = usable_solver(diffrax.Kvaerno5())
-
-    def restitution(by):
-        problem = KelvinVoigt(*by, jnp.asarray(1e-9))
-        return -integrate(problem, problem.start, solver).vector[1] / SPEED
-
-    slopes = unfused_jit(jax.jacfwd(restitution))(BY)
-    # A hundred times the tolerance: errors of the steps add up.
-    np.testing.assert_allclose(slopes, SLOPES, rtol=1e-7)
 
 
 OF_SECOND_ORDER = {

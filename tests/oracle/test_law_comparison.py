@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from calibration_studies import Linear
+from calibration_studies import Linear, NoModel
 from error_messages import assert_one_line
 from scipy import stats
 from scipy.optimize import minimize_scalar
@@ -42,7 +42,7 @@ from jaximpact.calibration.comparison.ranking import (
     is_tie,
     stacking_weights,
 )
-from jaximpact.calibration.comparison.rebound_objective import ReboundObjective
+from jaximpact.calibration.comparison.rebound_objective import rebound_objective
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.problem.config import Variant
 from jaximpact.calibration.report.comparison import verdict, worse_than_others
@@ -109,7 +109,7 @@ def test_derivatives_of_a_rebound_law(law):
     """By central differences, whose error at a step of 1e-6 is about 1e-9; kinks of the
     frictional ellipsoid are missed by these tests."""
     tests = made_by(ConstantCoefficients(0.4, 0.8), count=8)
-    objective = ReboundObjective(study_of(tests), law)
+    objective = rebound_objective(study_of(tests), law)
     bounds, step = objective.bounds, 1e-6
     x = bounds.at_fraction(0.37)[None]
     jacobian = objective(x).jacobian[0]
@@ -127,7 +127,7 @@ def test_energies_of_a_rebound_law_are_those_of_its_velocities():
     tests = columns(5)
     names = "e_bar", "R_r", "v_n_mps", "omega_radps"
     study = study_of(tests | {name: np.ones(5) for name in names})
-    objective = ReboundObjective(study, PfeifferBowen)
+    objective = rebound_objective(study, PfeifferBowen)
     x = objective.bounds.coordinate(np.array([0.5, 0.7]))[None]
     found = dict(zip(names, objective.values(x).predicted[0].T, strict=True))
     impact = Impact.from_degrees(
@@ -203,7 +203,7 @@ def fitted_linear_model(count, sigma):
     objective = objective_of(study, Contender("constant", ConstantCoefficients))
     linear = Linear.__new__(Linear)
     vars(linear).update(vars(objective))
-    linear.study, linear.engine = study, None
+    linear.study, linear.model = study, NoModel()
     linear.bounds = linear.bounds._replace(
         lower=np.full(2, -1e3), upper=np.full(2, 1e3), logarithmic=np.zeros(2, bool)
     )
@@ -239,8 +239,8 @@ class Flipping(Linear):
 
     beyond, first = np.inf, None
 
-    def _predict(self, x, wanted):
-        predicted, outcomes, jacobian = super()._predict(x, wanted)
+    def _predict(self, x, derivatives):
+        predicted, outcomes, jacobian = super()._predict(x, derivatives)
         row = np.all(self.matrix == self.first, axis=1)[:, None]
         predicted = np.where(row & (predicted > self.beyond), 50.0, predicted)
         return predicted, outcomes, jacobian

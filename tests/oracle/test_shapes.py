@@ -2,14 +2,13 @@
 shape."""
 
 import dataclasses
-import re
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 import shape_oracle
+from pages import blocks_of, run
 from paths import DOCS
 from shapely import affinity
 from shapely.geometry import box
@@ -106,34 +105,30 @@ def test_prism_has_the_area_and_inertia_of_its_outline():
         )
 
 
-IMPACTS = [
-    (None, dict(aspect_ratio=2, orientation_deg=30, angle_deg=20)),
-    (None, dict(aspect_ratio=1, angle_deg=40)),
-    (0.2, dict(aspect_ratio=2, orientation_deg=30, angle_deg=20)),
-    # Over a level face, either way
-    (0.2, dict(orientation_deg=-5, angle_deg=30, angular_velocity_degps=500)),
-    (0.2, dict(orientation_deg=3, angle_deg=30, angular_velocity_degps=-1000)),
-    # From a level face
-    (0.2, dict(orientation_deg=0, angle_deg=30, angular_velocity_degps=300)),
-    (0.05, dict(orientation_deg=90, angle_deg=-20, angular_velocity_degps=-300)),
-    (0.2, dict(orientation_deg=90, angle_deg=30)),
-]
-
-
-@pytest.mark.parametrize(("corner", "given"), IMPACTS)
-def test_agrees_with_an_independent_integrator(corner, given):
-    given = dict(aspect_ratio=1.5) | given
-    exact = shape_oracle.simulate(given, corner)
-    shape = EllipticCylinder(aspect_ratio=given["aspect_ratio"])
+@pytest.mark.parametrize(
+    ("corner", "ratio", "orientation", "angle", "spin"),
+    [
+        (None, 2.0, 30.0, 20.0, 0.0),
+        (None, 1.0, 0.0, 40.0, 0.0),
+        (0.2, 2.0, 30.0, 20.0, 0.0),
+        # Over a level face, either way
+        (0.2, 1.5, -5.0, 30.0, 500.0),
+        (0.2, 1.5, 3.0, 30.0, -1000.0),
+        # From a level face
+        (0.2, 1.5, 0.0, 30.0, 300.0),
+        (0.05, 1.5, 90.0, -20.0, -300.0),
+        (0.2, 1.5, 90.0, 30.0, 0.0),
+    ],
+)
+def test_agrees_with_an_independent_integrator(corner, ratio, orientation, angle, spin):
+    motion = dict(orientation=orientation, angle=angle, angular_velocity=spin)
+    units = dict(angular_velocity="degps")
+    scene = {f"{name}_{units.get(name, 'deg')}": x for name, x in motion.items()}
+    exact = shape_oracle.simulate(scene | dict(aspect_ratio=ratio), corner)
+    shape = EllipticCylinder(aspect_ratio=ratio)
     if corner is not None:
-        shape = RectangularPrism(
-            aspect_ratio=given["aspect_ratio"], corner_radius_ratio=corner
-        )
-    impact = Impact.from_degrees(
-        angle=given.get("angle_deg", 0.0),
-        orientation=given.get("orientation_deg", 0.0),
-        angular_velocity=given.get("angular_velocity_degps", 0.0),
-    )
+        shape = RectangularPrism(aspect_ratio=ratio, corner_radius_ratio=corner)
+    impact = Impact.from_degrees(**motion)
     for accuracy, within in (("balanced", 1e-4), ("reference", 1e-6)):
         ours = simulate(Block(shape=shape), Soil(), impact, accuracy=accuracy)
         assert ours.outcome in (Outcome.detached, Outcome.toppled)
@@ -210,40 +205,34 @@ def test_a_prism_rounded_fully_is_the_circular_cylinder():
 
 
 OBLIQUE = dict(angle=30.0, orientation=35.0, angular_velocity=200.0)
+SYMMETRIES = {
+    "half a turn": ({}, OBLIQUE | dict(orientation=215.0), 1.0, 1e-7, 0.0),
+    "mirrored": (
+        {},
+        dict(angle=-30.0, orientation=145.0, angular_velocity=-200.0),
+        np.array([-1.0 if name == "rotation" else 1.0 for name in RESULTS]),
+        1e-7,
+        0.0,
+    ),
+    # R is the half size that W goes by. The start, at 1e-6 R, is another one: that
+    # shows in the fifth digit.
+    "axes exchanged, a quarter turn": (
+        dict(aspect_ratio=1.0 / 1.6, out_of_plane_ratio=1.0 / 1.6),
+        OBLIQUE | dict(orientation=125.0),
+        1.0,
+        1e-4,
+        2e-5,
+    ),
+}
 
 
+@pytest.mark.parametrize("name", SYMMETRIES)
 @pytest.mark.parametrize("kind", SHAPES)
-def test_half_a_turn_changes_nothing(kind):
-    shape = kind(aspect_ratio=1.6)
-    turned = OBLIQUE | dict(orientation=OBLIQUE["orientation"] + 180.0)
-    np.testing.assert_allclose(
-        results_of(shape, **turned), results_of(shape, **OBLIQUE), rtol=1e-7
-    )
-
-
-@pytest.mark.parametrize("kind", SHAPES)
-def test_the_mirrored_impact_is_mirrored(kind):
-    shape = kind(aspect_ratio=1.6)
-    mirrored = {name: -value for name, value in OBLIQUE.items()}
-    mirrored["orientation"] += 180.0
-    signs = np.array([-1.0 if name == "rotation" else 1.0 for name in RESULTS])
-    np.testing.assert_allclose(
-        signs * results_of(shape, **mirrored), results_of(shape, **OBLIQUE), rtol=1e-7
-    )
-
-
-@pytest.mark.parametrize("kind", SHAPES)
-def test_exchanged_axes_are_a_quarter_turn(kind):
-    # R is the half size that W is told by.
-    exchanged = kind(aspect_ratio=1.0 / 1.6, out_of_plane_ratio=1.0 / 1.6)
-    turned = OBLIQUE | dict(orientation=OBLIQUE["orientation"] + 90.0)
-    # The start, at 1e-6 R, is another one: that shows in the fifth digit.
-    np.testing.assert_allclose(
-        results_of(exchanged, **turned),
-        results_of(kind(aspect_ratio=1.6), **OBLIQUE),
-        rtol=1e-4,
-        atol=2e-5,
-    )
+def test_symmetric_impacts_are_symmetric(kind, name):
+    ratios, impact, signs, rtol, atol = SYMMETRIES[name]
+    other = results_of(kind(**{"aspect_ratio": 1.6} | ratios), **impact)
+    expected = results_of(kind(aspect_ratio=1.6), **OBLIQUE)
+    np.testing.assert_allclose(signs * other, expected, rtol=rtol, atol=atol)
 
 
 def random_scenes(kind, count, seed=5) -> Scene:
@@ -388,29 +377,9 @@ def test_outlines_are_those_of_the_shape(kind):
     assert reach == pytest.approx(float(shape.bound), rel=1e-3)
 
 
-def blocks_of_page():
-    text = PAGE.read_text(encoding="utf-8")
-    return re.findall(
-        r"^(`my_shapes\.py`:\n\n)?```python\n(.*?)^```", text, re.M | re.S
-    )
-
-
-def test_every_block_of_the_page_runs(folder, monkeypatch, capsys):
-    monkeypatch.syspath_prepend(str(folder))
-    names = {}
-    blocks = blocks_of_page()
-    assert sum(bool(title) for title, _ in blocks) == 1
-    for title, code in blocks:
-        if title:
-            Path("my_shapes.py").write_text(code)
-        else:
-            exec(compile(code, str(PAGE), "exec"), names)
-    assert "Ellipsoid" in capsys.readouterr().out
-
-
 def test_a_shape_of_ones_own_in_a_batch_and_by_its_parameter(folder):
-    (code,) = [code for title, code in blocks_of_page() if title]
-    Path("my_shapes.py").write_text(code)
+    (code,) = [block for block in blocks_of(PAGE) if block.file]
+    run(code, {})
     pebble = Block(shape="my_shapes.py:Pebble", aspect_ratio=1.5).shape
     assert isinstance(pebble, AbstractShape)
 

@@ -1,13 +1,15 @@
-"""The engine of the fits: by machine code and by XLA, the same numbers."""
+"""The forward model of the fits: by machine code and by XLA, the same numbers."""
 
+import jax
 import numpy as np
 import pytest
 
 from jaximpact import Scene
 from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.estimation.starts import SOME_TESTS, some_tests
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
+from jaximpact.calibration.problem.program import SIZES, Program, _kept
 from jaximpact.quantities import INPUT_COLUMNS, leaf_places
 
 pytestmark = pytest.mark.slow
@@ -30,27 +32,25 @@ def study(tmp_path):
 
 def test_every_column_is_a_leaf_of_the_scene(study):
     """What stands in a column's leaf is its value in SI."""
-    scene = study.tests.scene({})
-    objective = Objective(study, study.variants[0], None)
-    places = leaf_places(Scene())
-    leaves = dict(zip(places, objective._leaves[list(places.values())], strict=True))
-    assert set(leaves) == set(INPUT_COLUMNS)
+    scene, places = study.tests.scene({}), leaf_places(Scene())
+    leaves = jax.tree.leaves(scene)
+    assert set(places) == set(INPUT_COLUMNS)
     for name, column in INPUT_COLUMNS.items():
         value = getattr(getattr(scene, column.part), column.field)
-        np.testing.assert_array_equal(leaves[name], value)
+        np.testing.assert_array_equal(leaves[places[name]], value)
 
 
 def test_machine_code_and_xla_agree(study, monkeypatch):
     """Steps differ by rounding alone, so that results agree far beyond the tolerance
     of 1e-8 with which both integrate; derivatives follow steps less closely."""
-    usual = Objective(study, study.variants[0], engine_of(study))
+    usual = Objective(study, study.variants[0], models_of(study)[0])
     x = usual.bounds.coordinate(SOILS)
     expected = usual(x)
-    monkeypatch.setattr(
-        "jaximpact.calibration.problem.engine.computes_on_cpu", lambda: False
-    )
-    by_xla = engine_of(study)
-    assert (usual.engine.name, by_xla.name) == ("machine code", "XLA")
+    monkeypatch.setattr("jaximpact.backend.rows.computes_on_cpu", lambda: False)
+    _kept.cache_clear()
+    by_xla = models_of(study)[0]
+    _kept.cache_clear()
+    assert (usual.model.engine, by_xla.engine) == ("machine code", "XLA")
     received = Objective(study, study.variants[0], by_xla)(x)
     np.testing.assert_allclose(received.predicted, expected.predicted, rtol=1e-6)
     largest = np.max(np.abs(expected.jacobian), axis=(0, 1, 3), keepdims=True)
@@ -61,7 +61,7 @@ def test_machine_code_and_xla_agree(study, monkeypatch):
 
 
 def test_tests_without_a_measurement_change_no_cost(study):
-    objective = Objective(study, study.variants[0], engine_of(study))
+    objective = Objective(study, study.variants[0], models_of(study)[0])
     rest = objective.without(np.array([False, True]))
     x = objective.bounds.coordinate(SOILS)
     found, expected = rest.of_measured()(x), rest(x)
@@ -72,24 +72,33 @@ def test_tests_without_a_measurement_change_no_cost(study):
     assert objective.of_measured() is objective
 
 
-def test_values_alone_are_the_same_numbers(study, monkeypatch):
-    """To the last bit: which code computes them depends on their number alone, and
-    nobody shall see it."""
-    objective = Objective(study, study.variants[0], engine_of(study))
+def test_values_alone_are_the_same_numbers(study):
+    """To the last bit: which code computes them, and for how many impacts it was
+    compiled, nobody shall see."""
+    objective = Objective(study, study.variants[0], models_of(study)[0])
     x = objective.bounds.coordinate(SOILS)
     expected = objective(x)
-    for many in (1, 10**6):
-        monkeypatch.setattr("jaximpact.calibration.problem.engine.MANY", many)
-        found = objective.values(x)
+    for times in (1, SIZES[1] // len(TABLE.splitlines())):
+        found = objective.values(np.tile(x, (times, 1))).take(slice(2))
         for name in ("predicted", "outcomes", "cost"):
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
         assert not np.any(found.jacobian)
         assert not np.any(found.gradient)
 
 
+def test_the_cost_by_jax_is_that_of_numpy(study):
+    """Its gradient too, as NUTS has it."""
+    objective = Objective(study, study.variants[0], models_of(study)[0])
+    x = objective.bounds.coordinate(SOILS)
+    expected = objective(x)
+    cost, gradient = jax.vmap(jax.value_and_grad(objective.cost))(x)
+    np.testing.assert_allclose(cost, expected.cost, rtol=1e-12)
+    np.testing.assert_allclose(gradient, expected.gradient, rtol=1e-9)
+
+
 def test_a_part_of_the_tests(study):
     """Costs of the parts add up to that of all, which without priors is a sum."""
-    objective = Objective(study, study.variants[0], engine_of(study))
+    objective = Objective(study, study.variants[0], models_of(study)[0])
     x = objective.bounds.coordinate(SOILS)
     parts = [objective.of_tests(np.array([test]))(x) for test in range(2)]
     whole = objective(x)
@@ -136,23 +145,22 @@ def test_some_tests_hold_what_is_seldom_measured(tmp_path):
     assert SOME_TESTS // 2 <= len(chosen) <= SOME_TESTS
 
 
-def test_a_derivative_without_bound_spoils_no_fit(study):
+def test_a_derivative_without_bound_spoils_no_fit(study, monkeypatch):
     """It counts as none, like that of a result that could not be computed; the other
     lane and the other target keep theirs."""
 
-    class Steep:
-        engine = engine_of(study)
+    run = Program.run
 
-        def run(self, *arguments):
-            values, derivatives, outcomes = self.engine.run(*arguments)
-            derivatives = np.array(derivatives)
-            flat = derivatives.reshape(-1, len(study.targets))
-            flat[0, 0], flat[1, 0] = np.inf, 1e200
-            return values, derivatives, outcomes
+    def steep(*arguments, derivatives):
+        values, outcomes, slopes = run(*arguments, derivatives=derivatives)
+        slopes[0, 0], slopes[1, 0] = np.inf, 1e200
+        return values, outcomes, slopes
 
-    x = Objective(study, study.variants[0], None).bounds.coordinate(SOILS)
-    usual = Objective(study, study.variants[0], Steep.engine)(x)
-    found = Objective(study, study.variants[0], Steep())(x)
+    objective = Objective(study, study.variants[0], models_of(study)[0])
+    x = objective.bounds.coordinate(SOILS)
+    usual = objective(x)
+    monkeypatch.setattr(Program, "run", steep)
+    found = objective(x)
     assert np.all(np.isfinite(found.hessian))
     assert np.all(np.isfinite(found.gradient))
     np.testing.assert_array_equal(found.hessian[1], usual.hessian[1])

@@ -7,7 +7,7 @@ from jaximpact import Block, Impact, Scene, Soil, simulate_batch
 from jaximpact.calibration.arguments import study_given, table_given
 from jaximpact.calibration.problem.config import study_of
 from jaximpact.calibration.problem.dataset import joined_tables
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.quantities import DERIVED_COLUMNS, TARGET_COLUMNS
 
@@ -38,12 +38,12 @@ def objective(columns):
             },
         },
     )
-    return Objective(study, study.variants[0], engine_of(study))
+    return Objective(study, study.variants[0], models_of(study)[0])
 
 
 def test_values_are_those_of_the_velocities(columns):
     study = study_given(columns, *(None,) * 7)
-    objective = Objective(study, study.variants[0], engine_of(study))
+    objective = Objective(study, study.variants[0], models_of(study)[0])
     x = objective.bounds.coordinate([[p.start for p in study.parameters]])
     predicted = objective.values(x).predicted[0].T
     found = dict(zip(study.targets, predicted, strict=True))

@@ -15,7 +15,7 @@ from jaximpact.calibration.diagnostics.results import StudyResult
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.sigma import settle
 from jaximpact.calibration.estimation.starts import fit
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.report.files import as_json
 from jaximpact.errors import InputError
@@ -61,7 +61,7 @@ def objective(histories, tmp_path_factory):
     write_rows(folder / "tests.csv", head, rows)
     (folder / "study.toml").write_text(STUDY)
     study = read_study(folder / "study.toml")
-    return Objective(study, study.variants[0], engine_of(study))
+    return Objective(study, study.variants[0], models_of(study)[0])
 
 
 @pytest.mark.slow

@@ -91,6 +91,38 @@ def test_sizes_are_those_of_the_lane_s_shape(place):
         assert jax.tree.leaves(function(several)) == jax.tree.leaves(function(one))
 
 
+def test_simulate_gives_what_each_shape_gives_alone():
+    """Of arrays, of one scene, with times, and under `jit`, where which block has which
+    shape is known."""
+    scene, index = scenes(9)
+    times = np.linspace(0.0, 0.02, 5)
+    result = simulate(scene, accuracy="fast", save_at=times)
+    for place in range(len(KINDS)):
+        part, chosen = alone(scene, index, place)
+        expected = simulate(part, accuracy="fast", save_at=times)
+        np.testing.assert_array_equal(result.e_bar[chosen], expected.e_bar)
+        np.testing.assert_array_equal(
+            result.history.normal_force[chosen], expected.history.normal_force
+        )
+    whole = simulate(scene, accuracy="fast").e_bar
+    np.testing.assert_allclose(
+        simulate(result[4].scene, accuracy="fast").e_bar, whole[4]
+    )
+    traced = jax.jit(
+        lambda speed: (
+            simulate(
+                Scene(scene.block, scene.soil, Impact(speed=speed)), accuracy="fast"
+            ).e_bar
+        )
+    )
+    still = Scene(scene.block, scene.soil, Impact(speed=scene.impact.speed))
+    np.testing.assert_allclose(
+        traced(scene.impact.speed), simulate(still, accuracy="fast").e_bar, rtol=1e-9
+    )
+    with pytest.raises(InputError, match="JAX traces which block has which shape"):
+        jax.jit(lambda scene: simulate(scene, accuracy="fast").e_bar)(scene)
+
+
 def test_derivatives_are_those_of_the_lane_s_shape():
     impact = Impact.from_degrees(angle=40.0, orientation=30.0)
 

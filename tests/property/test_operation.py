@@ -6,7 +6,6 @@ import dataclasses
 import functools
 import math
 import operator
-import re
 import time
 
 import equinox as eqx
@@ -14,7 +13,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jax import export
 
 from benchmarks.impacts import mixed_scenes
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
@@ -50,22 +48,13 @@ def rebound(gamma_v, c_v, scene: Scene):
     return FAST(Scene(scene.block, soil, scene.impact)).e_n
 
 
-def by_one(scenes: Scene):
-    """Rebound and its derivatives, scene by scene, without any compilation."""
-    found = []
-    for k in range(COUNT):
-        scene = jax.tree.map(lambda x, k=k: x[k], scenes)
-        found.append(
-            jax.value_and_grad(rebound, argnums=(0, 1))(
-                scene.soil.gamma_v, scene.soil.c_v, scene
-            )
-        )
-    return jax.tree.map(lambda *x: np.array(x), *found)
-
-
 @pytest.fixture(scope="module")
 def gradients(scenes):
-    return by_one(scenes)
+    """Rebound and its derivatives, scene by scene, without any compilation."""
+    gradient = jax.value_and_grad(rebound, argnums=(0, 1))
+    each = [jax.tree.map(lambda x, k=k: x[k], scenes) for k in range(COUNT)]
+    found = [gradient(scene.soil.gamma_v, scene.soil.c_v, scene) for scene in each]
+    return jax.tree.map(lambda *x: np.array(x), *found)
 
 
 def assert_same(result, expected):
@@ -91,9 +80,8 @@ def test_fields_broadcast(scenes):
     assert together.shape == (5, 3, 2)
     one_by_one = [[[at(v, c, a) for a in angle] for c in c_v] for v in speed]
     np.testing.assert_array_equal(together, one_by_one)
-    nested = jax.vmap(
-        jax.vmap(jax.vmap(at, (None, None, 0)), (None, 0, None)), (0, None, None)
-    )
+    inner = jax.vmap(jax.vmap(at, (None, None, 0)), (None, 0, None))
+    nested = jax.vmap(inner, (0, None, None))
     np.testing.assert_array_equal(jax.jit(nested)(speed, c_v, angle), together)
     mixed = jax.vmap(lambda v: at(v, c_v[:, None], angle))
     np.testing.assert_array_equal(jax.jit(mixed)(speed), together)
@@ -184,22 +172,18 @@ def test_lanes_may_be_given_away(scenes, expected):
 
     @functools.partial(jax.jit, donate_argnums=0)
     def solved(speed):
-        return FAST(
-            Scene(scenes.block, scenes.soil, dataclasses.replace(impact, speed=speed))
-        ).e_n
+        changed = dataclasses.replace(impact, speed=speed)
+        return FAST(Scene(scenes.block, scenes.soil, changed)).e_n
 
     np.testing.assert_array_equal(solved(speed), expected.e_n)
 
 
-def test_several_threads_at_once(scenes, expected):
+def test_threads_change_nothing(scenes, expected):
+    """Several that call at once, and any number that compute."""
     solved = jax.jit(jax.vmap(FAST))
     with concurrent.futures.ThreadPoolExecutor(4) as pool:
         for found in pool.map(lambda _: solved(scenes), range(8)):
             assert_same(found, expected)
-
-
-def test_any_number_of_threads_gives_the_same(scenes, expected):
-    solved = jax.jit(jax.vmap(FAST))
     try:
         for count in (1, 2, 5):
             for known in operation._registered.values():
@@ -237,14 +221,9 @@ def test_a_lane_that_is_no_number_leaves_the_others_alone(scenes, expected):
     np.testing.assert_array_equal(np.delete(found.e_n, 3), np.delete(expected.e_n, 3))
 
 
-LEAVES = ("block.mass", "soil.c_v", "impact.speed", "impact.orientation")
-
-
-def with_leaf(scene: Scene, path: str, value) -> Scene:
-    return eqx.tree_at(operator.attrgetter(path), scene, value)
-
-
-@pytest.mark.parametrize("path", LEAVES)
+@pytest.mark.parametrize(
+    "path", ["block.mass", "soil.c_v", "impact.speed", "impact.orientation"]
+)
 def test_derivatives_of_what_is_no_number_are_none(path):
     """With respect to any leaf, in every mode; of the lanes beside it as ever."""
     scene = Scene(
@@ -252,10 +231,11 @@ def test_derivatives_of_what_is_no_number_are_none(path):
         Soil(c_v=jnp.array([0.7, 0.8, 0.9]), **UNDAMPED),
         Impact(speed=jnp.array([10.0, 11.0, 12.0]), angle=0.4, orientation=0.3),
     )
-    value = jnp.broadcast_to(operator.attrgetter(path)(scene), (3,))
+    leaf = operator.attrgetter(path)
+    value = jnp.broadcast_to(leaf(scene), (3,))
 
     def rebound(gamma_v, value):
-        lanes = with_leaf(scene, path, value)
+        lanes = eqx.tree_at(leaf, scene, value)
         soil = dataclasses.replace(lanes.soil, gamma_v=gamma_v)
         return FAST(Scene(lanes.block, soil, lanes.impact)).e_n
 
@@ -330,14 +310,6 @@ def test_too_many_axes_are_refused_in_words():
         jax.jit(FAST)(Scene(impact=Impact(speed=speed)))
 
 
-def test_a_program_can_be_exported(scenes, expected):
-    program = jax.jit(lambda scenes: FAST(scenes).e_n)
-    names = re.findall(r"jaximpact_[0-9a-f]{32}", program.lower(scenes).as_text())
-    allowed = [export.DisabledSafetyCheck.custom_call(name) for name in names]
-    exported = export.export(program, disabled_checks=allowed)(scenes)
-    np.testing.assert_array_equal(exported.call(scenes), expected.e_n)
-
-
 class OfNumbers(Ellipsoid):
     """A shape that tells of a number alone whether it is upright."""
 
@@ -371,30 +343,19 @@ def test_any_leaf_may_be_differentiated():
         return simulate(scene, accuracy="reference", ledger=False).e_n
 
     for scene in (damped, Scene(damped.block, undamped, damped.impact)):
-        found = jax.tree.leaves(jax.grad(rebound)(scene))
-        leaves, structure = jax.tree.flatten(scene)
-        paths = [
-            jax.tree_util.keystr(p)
-            for p, _ in jax.tree_util.tree_leaves_with_path(scene)
-        ]
-        for place, (path, leaf) in enumerate(zip(paths, leaves, strict=True)):
-            if leaf == 0.0:
-                continue  # at the end of its range
-            sides = [
-                float(
-                    rebound(
-                        jax.tree.unflatten(
-                            structure,
-                            [*leaves[:place], leaf * factor, *leaves[place + 1 :]],
-                        )
-                    )
-                )
-                for factor in (1.0 + 1e-4, 1.0 - 1e-4)
-            ]
-            expected = (sides[0] - sides[1]) / 2e-4
-            assert float(found[place] * leaf) == pytest.approx(
+        by_path, structure = jax.tree_util.tree_flatten_with_path(scene)
+        leaves = np.array([leaf for _, leaf in by_path])
+        places = np.flatnonzero(leaves)  # zero is the end of a range
+        steps = 1e-4 * np.diag(leaves)[places]
+        sides = np.concatenate([leaves + steps, leaves - steps]).T
+        values = np.asarray(rebound(jax.tree.unflatten(structure, sides)))
+        above, below = np.split(values, 2)
+        found = np.array(jax.tree.leaves(jax.grad(rebound)(scene)))
+        for k, place in enumerate(places):
+            expected = (above[k] - below[k]) / 2e-4
+            assert found[place] * leaves[place] == pytest.approx(
                 expected, rel=1e-4, abs=5e-6
-            ), path
+            ), by_path[place][0]
 
 
 def test_second_derivatives_are_refused_in_words():
@@ -402,9 +363,7 @@ def test_second_derivatives_are_refused_in_words():
         return FAST(Block(), Soil(c_v=c_v), Impact()).e_n
 
     for second in (jax.hessian(rebound), jax.jit(jax.grad(jax.grad(rebound)))):
-        with pytest.raises(
-            NotImplementedError, match="second derivatives of an impact"
-        ):
+        with pytest.raises(NotImplementedError, match="second derivatives of an im"):
             second(0.8)
 
 
@@ -413,11 +372,3 @@ def test_empty_and_single_lanes():
     one = FAST(Block(), Soil(), Impact(speed=jnp.array([14.0])))
     assert one.e_n.shape == (1,)
     assert float(one.e_n[0]) == float(FAST(Block(), Soil(), Impact(speed=14.0)).e_n)
-
-
-def test_float32_is_refused_with_the_cure():
-    with (
-        jax.enable_x64(False),
-        pytest.raises(RuntimeError, match="jax_enable_x64"),
-    ):
-        simulate(Scene())

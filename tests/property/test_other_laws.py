@@ -94,22 +94,17 @@ def test_flow_dissipates(
 
 
 def test_a_fluidity_that_is_a_rate_is_one_of_speed_times_the_length():
-    one, half = footing(length=1.0), footing(length=0.5)
-    hardening = jnp.asarray(0.1)
+    load, hardening = load_of(), jnp.asarray(0.1)
     for rate, speed in (
-        (known.FluidityRate, known.Perzyna),
-        (known.PowerNucleusRate, known.PowerNucleus),
+        (known.FluidityRate(dilatancy=0.3), known.Perzyna(dilatancy=0.3)),
+        (known.PowerNucleusRate(dilatancy=0.3), known.PowerNucleus(dilatancy=0.3)),
     ):
-        load = load_of()
-        same = speed(dilatancy=0.3)(load, hardening, one)
-        np.testing.assert_array_equal(
-            rate(dilatancy=0.3)(load, hardening, one), same, strict=True
+        same = np.array(speed(load, hardening, footing(length=1.0)))
+        at_one, at_half = (
+            np.array(rate(load, hardening, footing(length=size))) for size in (1.0, 0.5)
         )
-        np.testing.assert_allclose(
-            rate(dilatancy=0.3)(load, hardening, half),
-            0.5 * np.array(same),
-            rtol=ROUNDING,
-        )
+        np.testing.assert_array_equal(at_one, same)
+        np.testing.assert_allclose(at_half, 0.5 * same, rtol=ROUNDING)
 
 
 def test_hardening_by_every_length_is_the_same_where_lengths_are():
@@ -120,63 +115,71 @@ def test_hardening_by_every_length_is_the_same_where_lengths_are():
     def rate(kind, **sizes):
         return float(kind(**values)(hardening, flow, footing(**sizes)))
 
-    usual = rate(known.HardeningPerLength, length=0.5, width=0.2)
-    path = 0.3 + 1.5 * 0.1 + 0.4 * 0.5 * 0.2
-    assert usual == pytest.approx(0.7 * 0.8 * path / 0.5, rel=ROUNDING)
-    root = rate(known.HardeningPerRootArea, length=0.5, width=0.2)
-    assert root == pytest.approx(0.5 / math.sqrt(0.1) * usual, rel=ROUNDING)
-    metre = rate(known.HardeningPerMetre, length=0.5, width=0.2)
-    assert metre == pytest.approx(0.5 * usual, rel=ROUNDING)
-    square = {"length": 1.0, "width": 1.0}
-    for kind in (known.HardeningPerRootArea, known.HardeningPerMetre):
-        assert rate(kind, **square) == pytest.approx(
-            rate(known.HardeningPerLength, **square), rel=ROUNDING
-        )
+    for length, width in ((0.5, 0.2), (1.0, 1.0)):
+        path = 0.7 * 0.8 * (0.3 + 1.5 * 0.1 + 0.4 * length * 0.2)
+        for kind, size in (
+            (known.HardeningPerLength, length),
+            (known.HardeningPerRootArea, math.sqrt(length * width)),
+            (known.HardeningPerMetre, 1.0),
+        ):
+            found = rate(kind, length=length, width=width)
+            assert found == pytest.approx(path / size, rel=ROUNDING)
 
 
-def test_a_sphere_s_foundation_is_as_wide_as_long():
-    impact = Impact(angle=0.6)
+TALL = Block(aspect_ratio=2.0)
+
+
+@pytest.mark.parametrize(
+    ("usual", "other", "scenes"),
+    [
+        # A sphere's foundation is as wide as long.
+        (
+            Soil(),
+            Soil(hardening=known.HardeningPerRootArea()),
+            [(Block(), Impact(angle=0.6))],
+        ),
+        # Without an exponent the modulus is the same everywhere.
+        (
+            Soil(n_E=0.0),
+            Soil(elasticity=known.ContactPressureModulus(n_E=0.0)),
+            [(TALL, Impact(angle=0.5, orientation=0.4))],
+        ),
+        # Arms are equal under central loads.
+        (
+            Soil(),
+            Soil(kinematics=known.WorkConjugate()),
+            [
+                (TALL, Impact()),
+                (TALL, Impact(orientation=0.5 * math.pi)),
+                (Block(), Impact(angle=0.6, angular_velocity=20.0)),
+            ],
+        ),
+    ],
+    ids=["hardening", "elasticity", "kinematics"],
+)
+def test_impacts_are_the_usual_ones_where_the_laws_are(usual, other, scenes):
+    for block, impact in scenes:
+        pair = [
+            simulate(block, soil, impact, accuracy="reference")
+            for soil in (usual, other)
+        ]
+        np.testing.assert_allclose(*map(numbers_of, pair), rtol=1e-7)
+
+
+def test_hardening_by_the_root_of_the_area_differs_where_the_foundation_is_long():
     usual, root = (
-        simulate(Block(), Soil(hardening=kind()), impact, accuracy="reference")
-        for kind in (known.HardeningPerLength, known.HardeningPerRootArea)
-    )
-    np.testing.assert_allclose(numbers_of(usual), numbers_of(root), rtol=1e-7)
-    oblong = Block(aspect_ratio=2.0)
-    usual, root = (
-        simulate(oblong, Soil(hardening=kind()), Impact(orientation=1.5))
+        simulate(TALL, Soil(hardening=kind()), Impact(orientation=1.5))
         for kind in (known.HardeningPerLength, known.HardeningPerRootArea)
     )
     # Along the minor axis the foundation is twice as long as wide.
     assert float(usual.max_penetration) > 1.1 * float(root.max_penetration)
 
 
-def test_the_modulus_does_not_hang_on_its_place_without_an_exponent():
-    block, impact = Block(aspect_ratio=2.0), Impact(angle=0.5, orientation=0.4)
-    pair = [
-        simulate(block, Soil(elasticity=kind(n_E=0.0)), impact, accuracy="reference")
-        for kind in (known.DuncanChang, known.ContactPressureModulus)
-    ]
-    np.testing.assert_allclose(*map(numbers_of, pair), rtol=1e-7)
-
-
-def test_work_conjugate_sinking_is_the_usual_one_where_the_arms_are_equal():
-    for block, impact in (
-        (Block(aspect_ratio=2.0), Impact()),
-        (Block(aspect_ratio=2.0), Impact(orientation=0.5 * math.pi)),
-        (Block(), Impact(angle=0.6, angular_velocity=20.0)),
-    ):
-        pair = [
-            simulate(block, Soil(kinematics=kind()), impact, accuracy="reference")
-            for kind in (known.DeepestPoint, known.WorkConjugate)
-        ]
-        np.testing.assert_allclose(*map(numbers_of, pair), rtol=1e-7)
-
-
 def test_work_conjugate_sinking_has_no_arm_work():
     # Eccentric, where the usual arm work is 14 % of the incoming energy.
     impact = Impact(orientation=math.radians(30.0), angle=0.3)
     usual, conjugate = (
-        simulate(Block(aspect_ratio=2.0), Soil(kinematics=kind()), impact)
+        simulate(TALL, Soil(kinematics=kind()), impact)
         for kind in (known.DeepestPoint, known.WorkConjugate)
     )
     assert float(usual.energy.arm) < -0.1 * float(usual.energy.kinetic_in)
@@ -271,13 +274,9 @@ def test_limit_loads_lack_what_they_name():
     def limit(bearing):
         return float(bearing(base, jnp.asarray(18e3), bearing.factors(friction)))
 
-    usual, shallow, least = map(
-        limit,
-        (
-            known.Vesic(),
-            known.VesicWithoutDepthFactor(),
-            known.VesicWithoutSurcharge(),
-        ),
+    usual, shallow, least = (
+        limit(getattr(known, f"Vesic{name}")())
+        for name in ("", "WithoutDepthFactor", "WithoutSurcharge")
     )
     surcharge = float(known.Vesic().factors(friction).surcharge)
     of_depth = 0.25 * math.pi * 0.4 * 0.3 * 18e3 * 0.2 * surcharge

@@ -36,13 +36,16 @@ def energy(block, normal, tangential, spin):
     )
 
 
-def energy_before(block, impact):
-    return energy(
-        block,
+def motion_before(impact):
+    return (
         impact.normal_velocity,
         impact.tangential_velocity,
         impact.angular_velocity,
     )
+
+
+def energy_before(block, impact):
+    return float(energy(block, *motion_before(impact)))
 
 
 @given(impacts, shares, shares)
@@ -57,9 +60,7 @@ def test_constant_coefficients_are_what_they_say(impact, e_n, e_t):
 @given(blocks, impacts, shares, shares)
 def test_pfeiffer_bowen_never_makes_energy_and_rolls_away(block, impact, r_n, r_t):
     after = PfeifferBowen(r_n, r_t)(block, impact)
-    assert float(energy(block, *after)) <= float(energy_before(block, impact)) * (
-        1.0 + 1e-13
-    )
+    assert float(energy(block, *after)) <= energy_before(block, impact) * (1 + 1e-13)
     radius = float(block.semi_axes.minor)
     assert float(after.tangential_velocity) == pytest.approx(
         float(after.angular_velocity) * radius, rel=1e-13
@@ -95,20 +96,15 @@ def test_rigid_ellipsoid_turns_the_approach_round(block, impact, e_contact):
     scale = float(impact.speed) + abs(arm * float(impact.angular_velocity))
     # The two terms may cancel: rounding is that of their size.
     assert opening == pytest.approx(-e_contact * closing, abs=1e-12 * scale)
+    normal = impact.normal_velocity
+    expected = vijayakumar_coefficient(
+        block, impact.orientation, e_contact, normal, impact.angular_velocity
+    )
     assert float(after.e_n(impact)) == pytest.approx(
-        float(
-            vijayakumar_coefficient(
-                block,
-                impact.orientation,
-                e_contact,
-                impact.normal_velocity,
-                impact.angular_velocity,
-            )
-        ),
-        abs=1e-12 * scale / float(impact.normal_velocity),
+        float(expected), abs=1e-12 * scale / float(normal)
     )
     elastic = RigidEllipsoid(1.0)(block, impact)
-    before = float(energy_before(block, impact))
+    before = energy_before(block, impact)
     assert float(energy(block, *elastic)) == pytest.approx(before, rel=1e-11)
     assert float(energy(block, *after)) <= before * (1.0 + 1e-11)
 
@@ -135,16 +131,6 @@ def test_mirrored_impacts_rebound_mirrored(law):
     )
 
 
-def test_gradients_are_finite_where_nothing_moves_along():
-    def tangential(coefficients, angle, spin):
-        law = PfeifferBowen(*coefficients)
-        after = law(Block(), Impact(angle=angle, angular_velocity=spin))
-        return after.tangential_velocity + after.normal_velocity
-
-    slopes = jax.grad(tangential, (0, 1, 2))((0.3, 0.8), 0.0, 0.0)
-    assert all(np.isfinite(x) for x in jax.tree.leaves(slopes))
-
-
 def arms(block, impact):
     """How far the contact point lies below the centre, and down-slope of it."""
     sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
@@ -158,14 +144,6 @@ def contact_velocities(block, impact, motion):
     below, along = arms(block, impact)
     normal, tangential, spin = (float(x) for x in motion)
     return normal + along * spin, tangential - below * spin
-
-
-def motion_before(impact):
-    return (
-        impact.normal_velocity,
-        impact.tangential_velocity,
-        impact.angular_velocity,
-    )
 
 
 def speed_scale(block, impact):
@@ -207,19 +185,6 @@ def test_bozzolo_pamini_turns_about_the_contact_point(block, impact):
     assert float(energy(block, *after)) <= float(energy(block, *before)) * (1 + 1e-12)
 
 
-@given(impacts)
-def test_bozzolo_pamini_of_a_sphere_rolls_without_rebound(impact):
-    block = Block()
-    after = BozzoloPamini()(block, impact)
-    radius = float(block.semi_axes.minor)
-    rolling = 5 * impact.tangential_velocity + 2 * radius * impact.angular_velocity
-    scale = speed_scale(block, impact)
-    assert float(after.normal_velocity) == 0.0
-    assert float(after.tangential_velocity) == pytest.approx(
-        float(rolling) / 7, abs=1e-14 * scale
-    )
-
-
 restitutions = st.one_of(st.just(0.0), st.just(1.0), st.floats(0.0, 1.0))
 frictions = st.one_of(st.just(0.0), st.floats(0.0, 3.0), st.floats(3.0, 1e4))
 
@@ -246,11 +211,11 @@ def test_friction_makes_no_energy_and_stays_in_its_cone(block, impact, e, fricti
 @given(blocks, impacts, restitutions)
 def test_without_friction_it_is_the_rigid_ellipsoid(block, impact, e):
     after = FrictionalEllipsoid(e, 0.0)(block, impact)
+    rigid = RigidEllipsoid(e)(block, impact)
+    sizes = 1.0, 1.0, float(block.semi_axes.minor)
+    allowed = 1e-12 * speed_scale(block, impact)
     np.testing.assert_allclose(
-        np.array(after) * (1.0, 1.0, float(block.semi_axes.minor)),
-        np.array(RigidEllipsoid(e)(block, impact))
-        * (1.0, 1.0, float(block.semi_axes.minor)),
-        atol=1e-12 * speed_scale(block, impact),
+        np.array(after) * sizes, np.array(rigid) * sizes, atol=allowed
     )
 
 
@@ -365,7 +330,7 @@ def test_each_kind_of_contact_against_a_march_in_small_impulses(kind):
 
 def test_newtons_hypothesis_would_make_energy():
     block, impact = Block(aspect_ratio=4.5), Impact(angle=0.7, orientation=0.6)
-    before = float(energy_before(block, impact))
+    before = energy_before(block, impact)
     newton = marched(block, impact, 0.95, 0.8, newton=True)
     assert float(energy(block, *newton)) > 1.1 * before
     poisson = FrictionalEllipsoid(0.95, 0.8)(block, impact)
@@ -379,13 +344,12 @@ def test_arrays_broadcast():
         (Block(aspect_ratio=ratios), Impact(angle=angles)),
         (Block(aspect_ratio=4.0), Impact(angle=angles[3])),
     )
-    for together, alone in (
-        (BozzoloPamini()(*many), BozzoloPamini()(*one)),
-        (
-            FrictionalEllipsoid(0.5, frictions)(*many),
-            FrictionalEllipsoid(0.5, 0.8)(*one),
-        ),
+    for law_of_many, law_of_one in (
+        (BozzoloPamini(), BozzoloPamini()),
+        (FrictionalEllipsoid(0.5, frictions), FrictionalEllipsoid(0.5, 0.8)),
     ):
+        together = jax.jit(lambda law, scene: law(*scene))(law_of_many, many)
+        alone = law_of_one(*one)
         assert all(velocity.shape == (3, 5) for velocity in together)
         # Arrays and scalars may be rounded differently.
         np.testing.assert_allclose([v[2, 3] for v in together], alone, rtol=1e-13)
@@ -418,6 +382,12 @@ def test_gradients_of_friction_are_finite_at_its_kinks(friction, angle, spin):
         law = FrictionalEllipsoid(e, friction)
         return sum(law(Block(aspect_ratio=2.0), impact))
 
+    def of_pfeiffer_bowen(friction, angle, spin):
+        impact = Impact(angle=angle, angular_velocity=spin)
+        return sum(PfeifferBowen(0.3, friction)(Block(), impact)[:2])
+
+    slopes = jax.grad(of_pfeiffer_bowen, (0, 1, 2))(friction, angle, spin)
+    assert all(np.isfinite(float(slope)) for slope in slopes)
     for orientation in (0.0, 0.5):  # without slip or arm; with
         inputs = (0.0, friction, angle, orientation, spin)
         slopes = jax.grad(total, (0, 1, 2, 3, 4))(*inputs)

@@ -51,7 +51,6 @@ def translational_energy(result, *velocities):
     return 0.5 * mass * sum(np.asarray(v) ** 2 for v in velocities)
 
 
-@pytest.mark.slow
 def test_equation_5_is_the_ratio_of_energies(result):
     impact = result.scene.impact
     turning = rotational_energy(result, impact.angular_velocity)

@@ -35,7 +35,6 @@ from jaximpact.calibration.estimation.starts import (
     spread_starts,
 )
 from jaximpact.calibration.problem.bounds import Bounds
-from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective, Points, start_of
 from jaximpact.calibration.study import judge_lowest
 from jaximpact.cli import main
@@ -69,20 +68,14 @@ def write_study(folder, text=STUDY, measured=None):
     return write_study_of(folder, text, columns, np.hstack([TESTS, measured]))
 
 
-@pytest.fixture(scope="module")
-def engine(tmp_path_factory):
-    """The machine code of `STUDY`, which all tests share."""
-    return engine_of(read_study(write_study(tmp_path_factory.mktemp("engine"))))
-
-
 def true_point(objective):
     return objective.bounds.coordinate([*TRUE.values(), 1.0])
 
 
 @pytest.fixture(scope="module")
-def predicted(tmp_path_factory, engine):
+def predicted(tmp_path_factory):
     """What the model gives for the true soil: noise-free targets."""
-    objective = objective_of(write_study(tmp_path_factory.mktemp("true")), engine)
+    objective = objective_of(write_study(tmp_path_factory.mktemp("true")))
     return objective(true_point(objective)[None]).predicted[0]
 
 
@@ -173,11 +166,8 @@ class Valley:
             rows[:, :, None, :],
         )
 
-    def evaluate_partially(self, x, free):
+    def values(self, x):
         return self(x)
-
-    def add_derivatives(self, points, free):
-        return points
 
     def failed(self, predicted):
         return ~np.isfinite(predicted)
@@ -359,10 +349,10 @@ def test_predictions_are_those_of_the_model(predicted):
     np.testing.assert_allclose(predicted[1], expected, rtol=1e-6)
 
 
-def test_jacobian_equals_central_differences(tmp_path, engine):
+def test_jacobian_equals_central_differences(tmp_path):
     """Far below the tolerance of any preset, so that differences are not its noise."""
     exact = Accuracy("exact", 1e-11, PRESETS["reference"].floor)
-    objective = objective_of(write_study(tmp_path), engine, exact)
+    objective = objective_of(write_study(tmp_path), exact)
     x = true_point(objective)
     width = 1e-3
     steps = width * np.eye(len(x))
@@ -375,14 +365,14 @@ def test_jacobian_equals_central_differences(tmp_path, engine):
     )
 
 
-def test_gradient_and_cost_agree(tmp_path, engine):
+def test_gradient_and_cost_agree(tmp_path):
     """The objective's gradient, with robust loss and prior, against differences."""
     text = STUDY.replace("seed = 1", 'seed = 1\nloss = "student"')
     text = text.replace("upper = 20.0", "upper = 20.0, prior = {mean = 1.0, sd = 0.5}")
     exact = Accuracy("exact", 1e-11, PRESETS["reference"].floor)
     measured = np.tile([0.2, 0.3, 1e5], (len(TESTS), 1))
     path = write_study(tmp_path, text, measured)
-    objective = objective_of(path, engine, exact)
+    objective = objective_of(path, exact)
     x = true_point(objective)
     steps = 1e-3 * np.eye(len(x))
     points = objective(np.concatenate([x[None], x + steps, x - steps]))
@@ -391,18 +381,6 @@ def test_gradient_and_cost_agree(tmp_path, engine):
     np.testing.assert_allclose(
         points.gradient[0], (plus - minus) / 2e-3, rtol=0.0, atol=1e-5 * largest
     )
-
-
-def test_a_glance_made_whole_is_the_whole(tmp_path, engine):
-    objective = objective_of(write_study(tmp_path), engine)
-    x = np.stack([true_point(objective), start_of(objective.study)])
-    free = np.array([[True, True, False, True], [False, False, False, False]])
-    glance = objective.evaluate_partially(x, free)
-    whole = objective(x)
-    np.testing.assert_array_equal(glance.cost, whole.cost)
-    made = objective.add_derivatives(glance, free)
-    expected = np.where(free[0], whole.jacobian[0], 0.0)
-    np.testing.assert_array_equal(made.jacobian[0], expected)
 
 
 def test_twin_is_recovered(twin):
@@ -469,9 +447,9 @@ def test_files_of_the_twin(twin):
     assert len(rows) == 1 + len(TESTS) * len(TARGETS)
 
 
-def test_the_same_study_gives_the_same_numbers(tmp_path, engine, predicted):
+def test_the_same_study_gives_the_same_numbers(tmp_path, predicted):
     noisy = predicted * (1.0 + 0.02 * np.random.default_rng(0).normal(size=(4, 3)))
-    objective = objective_of(write_study(tmp_path, measured=noisy), engine)
+    objective = objective_of(write_study(tmp_path, measured=noisy))
     x = spread_starts(
         objective.bounds,
         start_of(objective.study),
@@ -485,8 +463,8 @@ def test_the_same_study_gives_the_same_numbers(tmp_path, engine, predicted):
     assert once.reasons == again.reasons
 
 
-def test_fits_above_the_best_say_so(tmp_path, engine):
-    objective = objective_of(write_study(tmp_path), engine)
+def test_fits_above_the_best_say_so(tmp_path):
+    objective = objective_of(write_study(tmp_path))
     points = objective(np.stack([true_point(objective), start_of(objective.study)]))
     best = float(np.min(points.cost))
     worse = int(np.argmax(points.cost))
@@ -548,8 +526,8 @@ def test_starts_left_behind_search_together(tmp_path, monkeypatch, agreed):
 class Jumping(Linear):
     """Linear but for the first test, whose prediction jumps where x_0 + x_1 > 1."""
 
-    def _predict(self, x, wanted):
-        predicted, outcomes, jacobian = super()._predict(x, wanted)
+    def _predict(self, x, derivatives):
+        predicted, outcomes, jacobian = super()._predict(x, derivatives)
         predicted[:, 0, 0] += np.where(np.sum(x, axis=1) > 1.0, 100.0, 0.0)
         return predicted, outcomes, jacobian
 
@@ -582,8 +560,8 @@ class JumpingDown(Linear):
 
     jump = 1.0
 
-    def _predict(self, x, wanted):
-        predicted, outcomes, jacobian = super()._predict(x, wanted)
+    def _predict(self, x, derivatives):
+        predicted, outcomes, jacobian = super()._predict(x, derivatives)
         beyond = np.sum(x, axis=1) > self.jump
         predicted[:, 0, 0] -= np.where(beyond, 100.0, 0.0)
         return predicted, outcomes, jacobian
@@ -635,9 +613,9 @@ def test_a_test_near_a_jump_is_left_out_of_the_errors(tmp_path):
 class JumpingInOne(Jumping):
     """Two targets, of which the second is the first without its jump."""
 
-    def _predict(self, x, wanted):
-        smooth, outcomes, jacobian = Linear._predict(self, x, wanted)
-        jumping, _, _ = super()._predict(x, wanted)
+    def _predict(self, x, derivatives):
+        smooth, outcomes, jacobian = Linear._predict(self, x, derivatives)
+        jumping, _, _ = super()._predict(x, derivatives)
         predicted = np.concatenate([jumping, smooth], axis=2)
         return predicted, outcomes, np.repeat(jacobian, 2, axis=2)
 
@@ -732,8 +710,8 @@ def test_a_fit_goes_on_from_a_lower_draw(tmp_path):
 class Bending(Linear):
     """Linear but for the first test, whose prediction bends."""
 
-    def _predict(self, x, wanted):
-        predicted, outcomes, jacobian = super()._predict(x, wanted)
+    def _predict(self, x, derivatives):
+        predicted, outcomes, jacobian = super()._predict(x, derivatives)
         predicted[:, 0, 0] += 100.0 * np.sum((x - 0.5) ** 2, axis=1)
         return predicted, outcomes, jacobian
 
@@ -765,10 +743,8 @@ def test_beside_sigmas_that_are_far_too_small_not_all_is_a_jump(tmp_path):
 
 
 @pytest.mark.parametrize("method", ["adam", "l-bfgs"])
-def test_first_order_methods_lower_the_cost(
-    tmp_path, predicted, engine, monkeypatch, method
-):
-    objective = objective_of(write_study(tmp_path, measured=predicted), engine)
+def test_first_order_methods_lower_the_cost(tmp_path, predicted, monkeypatch, method):
+    objective = objective_of(write_study(tmp_path, measured=predicted))
     monkeypatch.setattr("jaximpact.calibration.estimation.first_order.STEPS", 25)
     x = true_point(objective) + 0.3 * np.eye(4)[:3]
     before = objective(x).cost

@@ -14,7 +14,6 @@ from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.least_squares import FINE
 from jaximpact.calibration.estimation.sigma import settle
 from jaximpact.calibration.estimation.starts import fit
-from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.noise import (
     LOSSES,
     losses,
@@ -123,16 +122,10 @@ def write_study(folder, text=STUDY, cells=None):
 
 
 @pytest.fixture(scope="module")
-def engine(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("engine")
-    return engine_of(read_study(write_study(folder, STUDY + SLOPE)))
-
-
-@pytest.fixture(scope="module")
-def predicted(tmp_path_factory, engine):
+def predicted(tmp_path_factory):
     """Targets of the true soil on the true slopes, `(tests, targets)`."""
     path = write_study(tmp_path_factory.mktemp("true"), STUDY + SLOPE)
-    objective = objective_of(path, engine)
+    objective = objective_of(path)
     true = objective.bounds.coordinate([*TRUE, *SLOPES.values()])
     return objective(true[None]).predicted[0]
 
@@ -174,7 +167,7 @@ def test_empty_cells_and_limits_are_read(tmp_path):
 
 
 @pytest.mark.slow
-def test_twin_of_two_slopes_that_nobody_measured(tmp_path, engine, predicted):
+def test_twin_of_two_slopes_that_nobody_measured(tmp_path, predicted):
     """Soil and both slopes from noise-free targets. The prior, one of 10 degrees about
     25, pulls by what its information is against that of the data."""
     text = STUDY.replace("starts = 6", "starts = 16") + SLOPE
@@ -189,29 +182,27 @@ def test_twin_of_two_slopes_that_nobody_measured(tmp_path, engine, predicted):
     assert [verdict.determined for verdict in result.verdicts] == [True, True]
 
 
-def test_missing_cells_say_nothing(tmp_path, engine, predicted):
+def test_missing_cells_say_nothing(tmp_path, predicted):
     """A fit with a cell left empty is that to the other cells, whatever stood there."""
     cells = as_cells(predicted)
     cells["south", 1] = ("", *cells["south", 1][1:])
-    objective = objective_of(write_study(tmp_path, STUDY + SLOPE, cells), engine)
+    objective = objective_of(write_study(tmp_path, STUDY + SLOPE, cells))
     true = objective.bounds.coordinate([*TRUE, 28.0, 22.0])
     points = objective(true[None])
     whole = objective_of(
-        write_study(tmp_path, STUDY + SLOPE, as_cells(predicted)), engine
+        write_study(tmp_path, STUDY + SLOPE, as_cells(predicted))
     ).with_sigma(objective.sigma)
     u = (points.predicted[0, 5, 0] - predicted[5, 0]) / objective.sigma[5, 0]
     assert abs(u) > 0.01
     assert whole(true[None]).cost[0] - points.cost[0] == pytest.approx(0.5 * u**2)
 
 
-def test_limits_that_are_kept_cost_little_and_broken_ones_much(
-    tmp_path, engine, predicted
-):
+def test_limits_that_are_kept_cost_little_and_broken_ones_much(tmp_path, predicted):
     costs = []
     for limit in (">-1.0", ">2.0"):
         cells = as_cells(predicted)
         cells["south", 1] = (limit, *cells["south", 1][1:])
-        objective = objective_of(write_study(tmp_path, STUDY + SLOPE, cells), engine)
+        objective = objective_of(write_study(tmp_path, STUDY + SLOPE, cells))
         true = objective.bounds.coordinate([*TRUE, *SLOPES.values()])
         prior = 0.5 * (0.5**2 + 0.5**2)
         costs.append(objective(true[None]).cost[0] - prior)
@@ -224,7 +215,7 @@ def fitted(objective):
     return settle(objective, fits, fit, Progress())
 
 
-def test_robust_losses_put_up_with_an_outlier(tmp_path, engine, predicted):
+def test_robust_losses_put_up_with_an_outlier(tmp_path, predicted):
     noise = 1.0 + 0.01 * np.random.default_rng(1).normal(size=predicted.shape)
     noise[2, 0] = 1.25
     errors = {}
@@ -232,7 +223,7 @@ def test_robust_losses_put_up_with_an_outlier(tmp_path, engine, predicted):
         text = STUDY.replace("starts = 6", f'starts = 6\nloss = "{loss}"') + SLOPE
         text += "[default_sigma]\ne_n = 2e-3\ne_t = 7e-3\nmax_sinking_m = 1e-3\n"
         path = write_study(tmp_path, text, as_cells(predicted * noise))
-        objective, best = fitted(objective_of(path, engine))
+        objective, best = fitted(objective_of(path))
         assert best.reasons[0].at_minimum
         x, true = best.points.x[0, :2], objective.bounds.coordinate([*TRUE, 0.0, 0.0])
         errors[loss] = np.max(np.abs(x - true[:2]))
@@ -243,15 +234,13 @@ def test_robust_losses_put_up_with_an_outlier(tmp_path, engine, predicted):
     assert errors["soft-l1"] < 0.7 * errors["gaussian"]
 
 
-def test_sigmas_that_are_not_given_are_estimated_for_each_target(
-    tmp_path, engine, predicted
-):
+def test_sigmas_that_are_not_given_are_estimated_for_each_target(tmp_path, predicted):
     """In units of one target's scatter the other's is what was put in: 1 and 5 %, each
     to the accuracy of an estimate from 7 values, a factor of two."""
     random = np.random.default_rng(3)
     noise = random.normal(size=predicted.shape) * [0.01, 0.05, 0.01]
     path = write_study(tmp_path, STUDY + SLOPE, as_cells(predicted * (1.0 + noise)))
-    objective, best = fitted(objective_of(path, engine))
+    objective, best = fitted(objective_of(path))
     scale = np.sqrt(np.mean(predicted**2, axis=0))
     part = objective.sigma[0] / scale
     assert np.all(part > 0.5 * np.array([0.01, 0.05, 0.01]))
@@ -265,15 +254,13 @@ def test_sigmas_that_are_not_given_are_estimated_for_each_target(
     assert found.reduced_chi_square == pytest.approx(1.0, rel=0.02)
 
 
-def test_weights_multiply_losses_and_are_no_information(tmp_path, engine, predicted):
+def test_weights_multiply_losses_and_are_no_information(tmp_path, predicted):
     """Doubling every weight doubles the cost and leaves the covariance."""
     sigmas = "[default_sigma]\ne_n = 0.01\ne_t = 0.01\nmax_sinking_m = 0.01\n"
     doubled = "[weights]\ne_n = 2.0\ne_t = 2.0\nmax_sinking_m = 2.0\n"
     found = []
     for text in (STUDY + sigmas, STUDY + sigmas + doubled):
-        objective = objective_of(
-            write_study(tmp_path, text, as_cells(predicted)), engine
-        )
+        objective = objective_of(write_study(tmp_path, text, as_cells(predicted)))
         points = objective(start_of(objective.study)[None])
         found.append((points.cost[0], estimate(objective, points)))
     (cost, once), (twice_cost, twice) = found
@@ -281,12 +268,12 @@ def test_weights_multiply_losses_and_are_no_information(tmp_path, engine, predic
     np.testing.assert_allclose(twice.covariance, once.covariance, rtol=1e-9)
 
 
-def test_a_prior_on_a_parameter_counts_as_a_measurement(tmp_path, engine, predicted):
+def test_a_prior_on_a_parameter_counts_as_a_measurement(tmp_path, predicted):
     text = STUDY.replace(
         "upper = 10.0", "upper = 10.0, prior = { mean = 1.0, sd = 0.2 }"
     )
-    objective = objective_of(write_study(tmp_path, text, as_cells(predicted)), engine)
-    without = objective_of(write_study(tmp_path, STUDY, as_cells(predicted)), engine)
+    objective = objective_of(write_study(tmp_path, text, as_cells(predicted)))
+    without = objective_of(write_study(tmp_path, STUDY, as_cells(predicted)))
     x = objective.bounds.coordinate([1.3, 5.0])[None]
     more = objective(x).cost[0] - without(x).cost[0]
     assert more == pytest.approx(0.5 * (0.3 / 0.2) ** 2)

@@ -8,7 +8,7 @@ from jaximpact.calibration.estimation.linear_algebra import (
     inverse_positive,
     solve_positive,
 )
-from jaximpact.calibration.problem.engine import Engine
+from jaximpact.calibration.problem.forward_model import ForwardModel
 
 TESTS = {
     "mass_kg": [100.0, 100.0, 500.0, 500.0],
@@ -86,15 +86,15 @@ def test_studies_without_full_rank_end_with_a_verdict(tests, fit, word):
 @pytest.mark.slow
 def test_a_study_of_one_test_that_does_not_fail(monkeypatch):
     """All others are computed to nothing."""
-    run = Engine.run
+    evaluate = ForwardModel.evaluate
 
-    def failing(engine, leaves, directions, accuracy):
-        values, derivatives, outcomes = run(engine, leaves, directions, accuracy)
-        lost = np.arange(len(values)) % 4 != 1
-        values[lost] = derivatives[lost] = np.nan
-        return values, derivatives, outcomes
+    def failing(*arguments, derivatives):
+        predicted, *others = evaluate(*arguments, derivatives=derivatives)
+        lost = np.arange(predicted.shape[1]) % 4 != 1
+        predicted[:, lost] = np.nan
+        return predicted, *others
 
-    monkeypatch.setattr(Engine, "run", failing)
+    monkeypatch.setattr(ForwardModel, "evaluate", failing)
     found = calibrate(few(4), fit={"c_v": {}, "gamma_v": {}})
     assert not any(entry["determined"] for entry in found.parameters.values())
     assert "3 predictions could not be computed" in str(found)

@@ -9,7 +9,7 @@ from test_calibration import STUDY, write_study
 
 from jaximpact import PRESETS
 from jaximpact.calibration import fit_study, read_study
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 
 pytestmark = pytest.mark.slow
@@ -47,7 +47,7 @@ def test_variants_are_fitted_as_they_are_alone(tmp_path):
 def test_accuracy_follows_the_sigmas(tmp_path):
     """Coarser impacts only where their errors are small beside every sigma."""
     study = two_variants(tmp_path)
-    objective = Objective(study, study.variants[0], engine_of(study))
+    objective = Objective(study, study.variants[0], models_of(study)[0])
     size = np.abs(study.measured)
     fine = objective.with_sigma(0.5e-3 * size)
     coarse = objective.with_sigma(2e-3 * size)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from jaximpact import (
-    Scene,
     elasticities,
     morris,
     simulate,
@@ -21,7 +20,6 @@ from jaximpact.cli import calibrate, options, runout, tabulate
 from jaximpact.lookup import Nodes
 from jaximpact.lookup import tabulate as make_table
 from jaximpact.lookup.tabulation import SPEEDS
-from jaximpact.quantities import columns_of
 from jaximpact.runout import FullModel, Ground, Profile, read_profile, simulate_runout
 from jaximpact.runout.study.slope_file import DEFAULT_BINS, DEFAULT_COUNT
 from jaximpact.runout.terrain import ANGLE_COLUMNS
@@ -29,12 +27,6 @@ from jaximpact.runout.terrain import ANGLE_COLUMNS
 
 def default(function, name):
     return inspect.signature(function).parameters[name].default
-
-
-def test_fields_have_the_defaults_of_their_columns():
-    for column in columns_of(Scene()).values():
-        received = float(getattr(getattr(Scene(), column.part), column.field))
-        assert received == pytest.approx(column.factor * column.default, rel=1e-15)
 
 
 def test_a_ground_is_as_rough_and_rolls_as_a_profile_does():

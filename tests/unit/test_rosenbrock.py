@@ -10,11 +10,10 @@ from scipy.integrate import solve_ivp
 from jaximpact import PRESETS, Accuracy, Block, Impact, Scene, Soil
 from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.impact.dynamics import Motion
-from jaximpact.impact.problem import Assembly, Problem, jacobian_pattern, pose
-from jaximpact.impact.reduced_models import MODELS, PLANAR
+from jaximpact.impact.problem import Assembly, jacobian_pattern, pose
+from jaximpact.impact.reduced_models import PLANAR
 from jaximpact.integrator.rosenbrock import (
     DenseOutput,
-    Rodas5P,
     dense_output,
     factorise,
     rodas5p_step,
@@ -43,9 +42,9 @@ def pendulum_at(time):
     ).y[:, -1]
 
 
-def one_step(width):
+def one_step(width, y0=START):
     """State, error estimate and dense output at mid-step, of one step."""
-    y0 = jnp.asarray(START)
+    y0 = jnp.asarray(y0)
     y1, error, stages = rodas5p_step(pendulum, y0, width, FULL)
     dense = DenseOutput(
         t0=jnp.zeros_like(width), t1=width, **dense_output(y0, y1, stages)
@@ -80,18 +79,22 @@ def test_global_error_is_of_order_five():
 LOCAL_WIDTHS = np.array([0.15, 0.1, 0.07, 0.05, 0.03])
 
 
+COMPILED = jax.jit(one_step)
+
+
 def local_errors(of_step):
-    one = jax.jit(one_step)
-    return [np.abs(of_step(*one(width), width)).max() for width in LOCAL_WIDTHS]
+    return [np.abs(of_step(*COMPILED(width), width)).max() for width in LOCAL_WIDTHS]
 
 
-def test_dense_output_is_of_order_four_at_mid_step():
-    errors = local_errors(lambda y1, error, middle, h: middle - pendulum_at(0.5 * h))
-    assert observed_order(LOCAL_WIDTHS, errors) == pytest.approx(5.0, abs=0.25)
+OF_ORDER_FOUR = {
+    "dense output": lambda y1, error, middle, h: middle - pendulum_at(0.5 * h),
+    "embedded method": lambda y1, error, middle, h: y1 - error - pendulum_at(h),
+}
 
 
-def test_embedded_method_is_of_order_four():
-    errors = local_errors(lambda y1, error, middle, h: y1 - error - pendulum_at(h))
+@pytest.mark.parametrize("name", OF_ORDER_FOUR)
+def test_what_is_of_order_four(name):
+    errors = local_errors(OF_ORDER_FOUR[name])
     assert observed_order(LOCAL_WIDTHS, errors) == pytest.approx(5.0, abs=0.25)
 
 
@@ -106,30 +109,10 @@ def test_error_estimate_exceeds_the_error_of_the_step():
     assert ratios[-1] < ratios[0]
 
 
-def test_dense_output_meets_both_ends():
-    y1, _, stages = rodas5p_step(pendulum, jnp.asarray(START), 0.1, FULL)
-    step = DenseOutput(
-        t0=jnp.asarray(3.0),
-        t1=jnp.asarray(3.1),
-        **dense_output(jnp.asarray(START), y1, stages),
-    )
-    # Rounding of the position within the step.
-    np.testing.assert_allclose(step.evaluate(3.0), START, rtol=1e-14)
-    np.testing.assert_allclose(step.evaluate(3.1), y1, rtol=1e-13)
-    np.testing.assert_allclose(step.evaluate(3.0, 3.1), y1 - START, atol=1e-13)
-
-
 def amplification(z):
     """R(z) of y' = z y over a step of 1."""
     one = np.ones((1, 1), bool)
     return rodas5p_step(lambda y: [z * y[0]], jnp.ones(1), 1.0, one)[0][0]
-
-
-def test_amplification_is_the_exponential_near_zero():
-    z = np.array([-0.2, -0.1, -0.05])
-    errors = np.abs(jax.vmap(amplification)(z) - np.exp(z))
-    # z^6 over 6!, times the method's error constant, which is below one.
-    assert np.all(errors < np.abs(z) ** 6 / 720.0)
 
 
 def test_l_stable():
@@ -177,62 +160,24 @@ def test_stiffly_accurate_on_prothero_robinson():
     assert observed_order(2.0 / counts, errors) > 3.0
 
 
-def van_der_pol(t, y, args):
-    return jnp.stack([y[1], args * (1.0 - y[0] ** 2) * y[1] - y[0]])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("pattern", [None, ((False, True), (True, True))])
-def test_solves_van_der_pol_inside_diffrax(pattern):
-    stiffness = 100.0
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(van_der_pol),
-        Rodas5P(pattern),
-        t0=0.0,
-        t1=150.0,
-        dt0=1e-4,
-        y0=jnp.asarray([2.0, 0.0]),
-        args=stiffness,
-        stepsize_controller=diffrax.PIDController(rtol=1e-8, atol=1e-8),
-        saveat=diffrax.SaveAt(ts=jnp.asarray([50.0, 81.0, 120.0, 150.0])),
-        max_steps=4000,
-    )
-    reference = solve_ivp(
-        lambda t, y: [y[1], stiffness * (1.0 - y[0] ** 2) * y[1] - y[0]],
-        (0.0, 150.0),
-        [2.0, 0.0],
-        method="Radau",
-        rtol=1e-10,
-        atol=1e-12,
-        t_eval=[50.0, 81.0, 120.0, 150.0],
-    )
-    # One jump lies between; its time carries the solvers' tolerances.
-    np.testing.assert_allclose(solution.ys, reference.y.T, rtol=1e-5, atol=1e-7)
-    # An explicit method's steps are bound by 1 / stiffness: tens of thousands.
-    assert solution.stats["num_steps"] < 2000
-
-
 @pytest.mark.slow
 def test_step_of_no_width_leaves_the_state_and_has_finite_gradients():
-    def state_after(y0, width):
-        return rodas5p_step(pendulum, y0, width, FULL)[0]
+    def of_step(y0, width):
+        return one_step(width, y0)
 
-    np.testing.assert_array_equal(state_after(jnp.asarray(START), 0.0), START)
-    by_state, by_width = jax.jacfwd(state_after, argnums=(0, 1))(
-        jnp.asarray(START), 0.0
+    start = jnp.asarray(START), jnp.zeros(())
+    state, _, middle = of_step(*start)
+    np.testing.assert_array_equal(state, START)
+    np.testing.assert_array_equal(middle, START)
+    by_state, (by_width, error, of_middle) = (
+        jax.jacfwd(of_step, argnums=place)(*start) for place in (0, 1)
     )
-    np.testing.assert_allclose(by_state, np.eye(2), atol=1e-15)
+    np.testing.assert_allclose(by_state[0], np.eye(2), atol=1e-15)
     # The derivative by the width is the right-hand side; rounding of 40-fold weights.
     rate = np.stack(pendulum(START))
     np.testing.assert_allclose(by_width, rate, rtol=1e-12)
-    error = jax.jacfwd(lambda width: rodas5p_step(pendulum, START, width, FULL)[1])(0.0)
     np.testing.assert_allclose(error, 0.0, atol=1e-13)
-
-
-def test_dense_output_of_no_width_is_finite_with_its_gradient():
-    value, slope = jax.jvp(lambda h: one_step(h)[2], (jnp.zeros(()),), (jnp.ones(()),))
-    np.testing.assert_array_equal(value, START)
-    assert np.all(np.isfinite(slope))
+    assert np.all(np.isfinite(of_middle))
 
 
 def test_finished_lanes_do_not_disturb_the_others():
@@ -254,13 +199,13 @@ def test_derivative_of_a_step_is_that_of_its_arithmetic():
     _, derivative = jax.jvp(state_after, point, direction)
     # Central differences: truncation 1e-5^2, rounding 1e-16 / 1e-5, so 1e-9 has room.
     delta = 1e-5
-    ends = [
+    above, below = (
         state_after(
             *(p + sign * delta * d for p, d in zip(point, direction, strict=True))
         )
         for sign in (1.0, -1.0)
-    ]
-    differences = (ends[0] - ends[1]) / (2.0 * delta)
+    )
+    differences = (above - below) / (2.0 * delta)
     np.testing.assert_allclose(derivative, differences, atol=1e-9)
     # The exact flow's derivative differs by the step's truncation error, which the test
     # can see: it is the arithmetic that is differentiated.
@@ -341,13 +286,3 @@ def test_pattern_covers_the_jacobian_and_no_more():
         assert np.all(jacobians[:, ~pattern] == 0.0)
         reached |= np.any(jacobians != 0.0, axis=0)
     np.testing.assert_array_equal(reached, pattern)
-
-
-def test_problem_is_posed_with_the_pattern_s_size():
-    for model in MODELS:
-        setting = PRESETS["fast"]
-        scene = STRUCTURE_SCENES["inclined ellipsoid"]
-        assembly = Assembly(jax.tree.structure(scene), model, False)
-        problem, vector = pose(scene, assembly, setting.tolerance, setting.floor)
-        assert isinstance(problem, Problem)
-        assert np.shape(jacobian_pattern(problem)) == (vector.size, vector.size)

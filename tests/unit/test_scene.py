@@ -20,26 +20,10 @@ def test_a_scene_or_its_parts_are_the_same():
     for given in (parts, (Scene(*parts),), (parts,)):
         assert simulate(*given).e_n == expected
         assert simulate_batch(*given).e_n == expected
-    assert simulate(impact=Impact(angle=0.4), scene=parts[0], soil=parts[1]).e_n == (
-        expected
-    )
-
-
-@pytest.mark.slow
-def test_what_is_left_out_has_its_default():
-    expected = simulate(Block(), Soil(), Impact()).e_n
-    assert simulate(Scene()).e_n == simulate(Block()).e_n == expected
-
-
-def test_what_is_no_scene_is_told():
-    with pytest.raises(InputError, match="a scene holds its soil and its impact"):
-        simulate(Scene(), Soil())
-    with pytest.raises(
-        InputError, match="soil must be of type Soil, but is of type Bl"
-    ):
-        simulate(Block(), Block())
-    with pytest.raises(InputError, match="block must be of type Block, but is 3"):
-        simulate(3)
+    by_name = simulate(impact=parts[2], scene=parts[0], soil=parts[1])
+    assert by_name.e_n == expected
+    # What is left out has its default.
+    assert simulate(Scene()).e_n == simulate(Block()).e_n
 
 
 def test_degrees():

@@ -101,19 +101,6 @@ def test_a_large_frame_on_windows_is_touched_page_by_page():
     assert undefined(MACOS.object_file(text, False)) == set()
 
 
-class AsCoff(Target):
-    object_triple = property(lambda self: self.triple)
-
-
-def test_objects_of_windows_itself_call_the_same(text):
-    """COFF, which its linkers take; `_fltused` says that there are floats."""
-    target = AsCoff(*WINDOWS)
-    for source, external in ((text, False), (driver_text("x86"), True)):
-        data = target.object_file(source, external)
-        assert data[:2] == b"\x64\x86"
-        assert undefined(data) <= ALLOWED[WINDOWS] | {"_fltused"}
-
-
 @pytest.mark.parametrize(
     ("target", "register"),
     [(WINDOWS, "(%rcx)"), (LINUX, "(%rdi)"), (MACOS, "[x0]")],

@@ -18,13 +18,13 @@ from ..diagnostics.uncertainty import (
 )
 from ..estimation.sigma import freedom_of_targets, relative_sigma
 from ..problem.config import Study
-from ..problem.forward_model import engine_of
+from ..problem.forward_model import models_of
 from ..problem.noise import least_size
 from ..problem.nuisance import EACH_TEST
 from ..problem.objective import Objective, Points, names_of
 from ..study import best_fit
 from .contenders import SIMPLE, Contender
-from .rebound_objective import PREDICTED, ReboundObjective
+from .rebound_objective import PREDICTED, rebound_objective
 
 STARTS = 16
 """Largest number of starts of a law beside those of the study."""
@@ -133,9 +133,9 @@ def objective_of(study: Study, contender: Contender) -> Objective:
     if not any(law is variant for variant in study.variants):
         study = dataclasses.replace(study, starts=min(study.starts, STARTS))
     if isinstance(law, type):
-        return ReboundObjective(study, law)
+        return rebound_objective(study, law)
     alone = dataclasses.replace(study, variants=(law,))
-    return Objective(alone, law, engine_of(alone))
+    return Objective(alone, law, models_of(alone)[0])
 
 
 def fit_law(study: Study, contender: Contender, progress: Progress = SILENT) -> LawFit:

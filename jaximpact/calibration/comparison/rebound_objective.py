@@ -1,32 +1,36 @@
 """The objective function of a law of rebound, so that it is fitted as a ground is.
 
-The parameters of the law take the place of the ground's: the leaves of the law follow
-those of the scene, and everything else of `Objective` holds, nuisance parameters and
-errors of measurement among them.
+The parameters of the law take the place of the ground's; nuisance parameters and errors
+of measurement stay.
 """
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
 from ..._safe import safe_sqrt
-from ...accuracy import PRESETS
-from ...backend.xla_compilation import unfused_jit
+from ..._types import Structure
+from ...accuracy import PRESETS, Accuracy
 from ...errors import InputError
 from ...impact.events import Outcome
-from ...quantities import leaf_places, own_columns
+from ...quantities import (
+    DERIVED_COLUMNS,
+    columns_of,
+    leaf_places,
+    own_columns,
+)
 from ...rebound import AbstractRebound, Rebound
 from ...restitution import defined_ratio
-from ...scene import Block, Impact
+from ...scene import Block, Impact, Scene
 from ..problem.config import Study
-from ..problem.derived_targets import DERIVED, base_columns
-from ..problem.engine import XLA_AT_ONCE, Engine
 from ..problem.fitted_parameters import Parameter
-from ..problem.forward_model import UnknownColumn, bounds_of
+from ..problem.forward_model import forward_models, results_in_order, unknown_columns
 from ..problem.objective import Objective
 
 NARROWER = {"friction_coefficient": (0.0, 2.0)}
@@ -45,7 +49,7 @@ class ReboundResults(NamedTuple):
     omega_radps: Any
 
 
-PREDICTED = (*ReboundResults._fields, *DERIVED)
+PREDICTED = (*ReboundResults._fields, *DERIVED_COLUMNS)
 """Targets that every law of rebound predicts."""
 
 
@@ -93,87 +97,57 @@ def parameters_of_law(law: type[AbstractRebound]) -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-class ReboundEngine(Engine):
-    """Law of rebound that computes impacts and their directional derivatives; exact, so
-    that the accuracy has no meaning.
+class ReboundResponse(NamedTuple):
+    """A law of rebound, whose leaves follow those of the scene."""
 
-    Args:
-        structure: tree structure of the scene and the law.
-        targets: result columns that are wanted.
-        places: index of the leaf of each column of the scene, whose leaves come first.
-    """
+    targets: tuple[str, ...]
+    law: type[AbstractRebound]
 
-    def __init__(self, structure, targets: tuple[str, ...], places: dict[str, int]):
-        self.structure, self.places = structure, places
-        self._set_targets(targets)
-        self.kernel, self.name, self.valued = None, "closed form", 0
+    def places(self, tree: tuple[Scene, AbstractRebound]) -> dict[str, int]:
+        """Find the leaf of each column of a scene, and of the law."""
+        first = len(jax.tree.leaves(tree[0]))
+        inner = jax.tree.structure(tree[1])
+        of_law = jax.tree.unflatten(inner, range(first, first + inner.num_leaves))
+        own = {c.name: getattr(of_law, c.field) for c in own_columns(self.law)}
+        return leaf_places(tree[0]) | own
 
-    def _in_xla(self, leaves, directions, places, accuracy) -> np.ndarray:
-        filled = np.resize(places, XLA_AT_ONCE)  # repeats impacts to fill the program
-        rows = jnp.asarray(leaves[:, filled]), jnp.asarray(directions[:, filled])
-        wanted = [ReboundResults._fields.index(n) for n in base_columns(self.targets)]
-        found = np.stack(_compiled(self.structure, *rows))[:, wanted, : len(places)]
-        outcomes = np.full((2, 1, len(places)), float(Outcome.detached))
-        return np.concatenate([found, outcomes], axis=1)
+    def in_xla(self, structure: Structure, leaves: Sequence) -> bool:
+        """A law in closed form is a program of XLA."""
+        return True
 
+    def __call__(self, tree, times: Array, accuracy: Accuracy):
+        """Compute impacts, exactly."""
+        count = len(tree[0].impact.speed)
 
-def _results(structure, leaves):
-    def of_one(rows):
-        scene, law = jax.tree.unflatten(structure, list(rows))
-        return jnp.stack(
-            results_of(scene.block, scene.impact, law(scene.block, scene.impact))
-        )
+        def of_one(tree):
+            scene, law = tree
+            return results_of(scene.block, scene.impact, law(scene.block, scene.impact))
 
-    return jax.vmap(of_one, in_axes=1, out_axes=1)(leaves)
-
-
-def _with_derivatives(structure, leaves, directions):
-    return jax.jvp(lambda rows: _results(structure, rows), (leaves,), (directions,))
+        # A law of a user's may be written for one impact.
+        tree = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, count), tree)
+        found = jax.vmap(of_one)(tree)._asdict()
+        results = results_in_order(self.targets, tree[0], found.__getitem__)
+        return [results], jnp.full(count, float(Outcome.detached))
 
 
-_compiled = unfused_jit(_with_derivatives, static_argnums=(0,))
-
-
-class ReboundObjective(Objective):
-    """Objective function of a law of rebound, in place of the parameters of a study,
-    all of whose targets the law predicts."""
-
-    def __init__(self, study: Study, law: type[AbstractRebound]):
-        parameters, columns = parameters_of_law(law), own_columns(law)
-        variant = study.variants[0]
-        without = dataclasses.replace(
-            study,
-            parameters=(),
-            tied=(),
-            variants=(variant,),
-            nuisances=tuple(n for n in study.nuisances if not n.pooled),
-        )
-        scene = without.scene_of(variant)
-        template = law(
-            **{
-                column.field: column.factor * parameter.start
-                for column, parameter in zip(columns, parameters, strict=True)
-            }
-        )
-        structure = jax.tree.structure((scene, template))
-        engine = ReboundEngine(structure, study.targets, leaf_places(scene))
-        super().__init__(without, variant, engine, PRESETS["balanced"])
-        count, first, tests = len(parameters), len(self._leaves), len(study.tests)
-        self.study = dataclasses.replace(without, parameters=parameters)
-        self.bounds = bounds_of(self.study)
-        self.prior_mean = np.concatenate([np.zeros(count), self.prior_mean])
-        self.prior_sd = np.concatenate([np.full(count, np.inf), self.prior_sd])
-        of_law, inner = jax.tree.flatten(template)
-        places = jax.tree.unflatten(inner, range(len(of_law)))
-        own_leaves = [np.full(tests, float(leaf)) for leaf in of_law]
-        self._leaves = np.concatenate([self._leaves, own_leaves])
-        nothing = np.zeros(tests)
-        self._columns = [
-            UnknownColumn(
-                *(first + getattr(places, column.field), column.factor, nothing),
-                np.full(tests, index),
-            )
-            for index, column in enumerate(columns)
-        ] + [
-            column._replace(unknown=column.unknown + count) for column in self._columns
-        ]
+def rebound_objective(study: Study, law: type[AbstractRebound]) -> Objective:
+    """Make the objective function of a law of rebound, whose parameters take the place
+    of those of a study; the law predicts all of its targets."""
+    variant, columns = study.variants[0], own_columns(law)
+    alone = dataclasses.replace(
+        study,
+        parameters=parameters_of_law(law),
+        tied=(),
+        variants=(variant,),
+        nuisances=tuple(n for n in study.nuisances if not n.pooled),
+    )
+    scene, tests = alone.scene_of(variant), len(study.tests)
+    start = {
+        column.field: np.full(tests, column.factor * parameter.start)
+        for column, parameter in zip(columns, alone.parameters, strict=True)
+    }
+    known = columns_of(scene) | {column.name: column for column in columns}
+    response = ReboundResponse(study.targets, law)
+    ground, unknown = (scene, law(**start)), unknown_columns(alone)
+    (model,) = forward_models(alone, [ground], unknown, known, response)
+    return Objective(alone, variant, model, PRESETS["balanced"])

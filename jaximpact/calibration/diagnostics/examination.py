@@ -109,11 +109,8 @@ def examine(
         progress = progress.within(f"{name}: ") if several else progress
         return _examine(result, variant, posterior, progress)
 
-    if posterior:
-        # NUTS calls back from within JAX, where several threads could deadlock.
-        return [examined(variant, progress) for variant in result.variants]
-    engines = [variant.objective.engine for variant in result.variants]
-    return for_each_variant(engines, examined, result.variants, progress)
+    models = [variant.objective.model for variant in result.variants]
+    return for_each_variant(models, examined, result.variants, progress)
 
 
 def _examine(

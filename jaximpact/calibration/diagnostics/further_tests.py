@@ -28,7 +28,7 @@ from ...errors import InputError
 from ...quantities import CURVE_COLUMNS, InputColumn, columns_of, leaf_places
 from ...reports.tables import Table
 from ...scene import Scene
-from ...shapes import Ellipsoid, EllipticCylinder
+from ...shapes import Ellipsoid, EllipticCylinder, each_shape
 from ..estimation.linear_algebra import inverse_positive
 from ..estimation.sigma import relative_sigma
 from ..problem.candidates import (
@@ -39,7 +39,9 @@ from ..problem.candidates import (
     checked_axes,
     checked_measure,
 )
+from ..problem.forward_model import ImpactResponse
 from ..problem.noise import least_size
+from ..problem.program import OwnColumn, Rows, program_of
 from .results import VariantResult
 from .uncertainty import bounds_information, regular_covariance
 
@@ -319,42 +321,43 @@ def _common(fitted: VariantResult) -> dict[str, float]:
 
 def _derivatives(fitted: VariantResult, common, scenes, targets):
     """Compute predictions (candidates, targets) and their derivatives with respect to
-    the soil's x (candidates, targets, parameters), in one call of the machine code."""
+    the soil's x (candidates, targets, parameters)."""
     objective = fitted.objective
-    study, bounds = objective.study, objective.bounds
-    names = [parameter.name for parameter in study.parameters]
-    count = len(next(iter(scenes.values())))
-    engine = objective.engine.for_targets(targets)
-    columns, leaf_of = columns_of(objective.scene), leaf_places(objective.scene)
-    values = {n: c.default for n, c in columns.items()} | common
-    values |= dict(zip(names, fitted.parameters, strict=False)) | scenes
-    ties = {
-        tied.name: tied.evaluate(tuple(names), fitted.parameters[None, : len(names)])
-        for tied in study.tied
-    }
-    values |= {name: value[0] for name, (value, _) in ties.items()}
-    leaves = np.repeat(_most_frequent(objective.scene)[:, None], count, axis=1)
-    for name, column in columns.items():
-        leaves[leaf_of[name]] = column.factor * np.asarray(values[name], float)
-    directions = np.zeros((len(leaves), len(names), count))
-    for index, name in enumerate(names):
-        directions[leaf_of[name], index] = columns[name].factor
-        for tied, (_, slopes) in ties.items():
-            directions[leaf_of[tied], index] = columns[tied].factor * slopes[0, index]
-    lanes = np.tile(leaves, (1, len(names))), directions.reshape(len(leaves), -1)
-    predicted, derivatives, _ = engine.run(*lanes, objective.accuracy)
-    slope = bounds.slope(fitted.points.x[0])[: len(names)]
-    derivatives = derivatives.reshape(len(names), count, len(targets))
-    jacobian = np.moveaxis(derivatives, 0, -1) * slope
-    return predicted[:count], jacobian
+    study, soil = objective.study, len(objective.study.parameters)
+    count, columns = len(next(iter(scenes.values()))), columns_of(objective.scene)
+    alone, leaves = _most_frequent(objective.scene)
+    places = leaf_places(alone)
+    leaves = np.repeat(leaves[:, None], count, axis=1)
+    values = {n: c.default for n, c in columns.items()} | common | scenes
+    for name, place in places.items():
+        leaves[place] = columns[name].factor * np.asarray(values[name], float)
+    program = program_of(
+        jax.tree.structure(alone),
+        leaves,
+        [OwnColumn(p.name, columns[p.name].factor, False) for p in study.parameters],
+        [(tied, columns[tied.name].factor) for tied in study.tied],
+        ImpactResponse(targets),
+    )
+    rows = Rows(
+        np.tile(fitted.parameters[:soil], (count, 1)),
+        leaves[program.varied].T,
+        np.empty((count, 0)),
+    )
+    predicted, _, slopes = program.run(rows, objective.accuracy, derivatives=True)
+    return predicted, slopes * objective.bounds.slope(fitted.points.x[0])[:soil]
 
 
-def _most_frequent(scene: Scene) -> np.ndarray:
-    """Find the most frequent value of each leaf of the tests' scene: the kind of shape,
-    where there are several, has no median."""
-    leaves = jax.tree.leaves(scene)
-    each = (np.unique(np.asarray(leaf), return_counts=True) for leaf in leaves)
-    return np.array([values[np.argmax(counts)] for values, counts in each])
+def _most_frequent(scene: Scene) -> tuple[Scene, np.ndarray]:
+    """Find the most frequent shape of the tests, as their scene with that shape alone,
+    and the most frequent value of each leaf."""
+    alone = max(
+        (one for one, _ in each_shape(scene)), key=lambda one: len(one.impact.speed)
+    )
+    each = (
+        np.unique(np.asarray(leaf), return_counts=True)
+        for leaf in jax.tree.leaves(alone)
+    )
+    return alone, np.array([values[np.argmax(counts)] for values, counts in each])
 
 
 def as_table(found: Suggestions) -> Table:

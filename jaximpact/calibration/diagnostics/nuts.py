@@ -14,11 +14,6 @@ that depends on the position alone is reversible and preserves volume, and accep
 decided by the density. A wrong gradient costs steps, not correctness. The error of the
 density is checked again on the samples.
 
-blackjax needs a function of JAX. Value and gradient come from machine code through a
-callback to the host, all chains at once: a call of some ms, against which the callback
-is negligible. In XLA the same takes a hundred times as long, and half a minute to
-compile (docs/calibration.md).
-
 Needs the extra `jaximpact[bayes]`.
 """
 
@@ -30,12 +25,15 @@ from typing import TYPE_CHECKING, Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.special import expit, logit
+from scipy.special import logit
 
+from ..._jax_internals import namespace_of
 from ..._packages import version_of, versions
 from ...errors import InputError
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import TARGET_COLUMNS, columns_of
+from ..problem.bounds import Bounds
+from ..problem.forward_model import XLA
 from ..problem.noise import losses
 from ..problem.objective import Objective
 from .importance_sampling import CHECKED, draw, error_of_costs
@@ -54,8 +52,6 @@ KEEP_MASS = 25.0
 MOST_DOUBLINGS = 8
 EDGE = 1e-6
 """Least distance of draws from the bounds, as a fraction of the range."""
-TALK_EVERY = 0.5
-"""Time between lines of progress [s]."""
 SHIFT = 0.25
 """Tolerated distance of the posterior mean from the best fit, in standard errors."""
 RATIO = 1.25
@@ -92,15 +88,17 @@ def sample_posterior(
     check_extra()
     progress = as_progress(progress)
     inflation = fitted.uncertainty.inflation
-    if fitted.objective.engine.kernel is None:
+    if fitted.objective.model.engine == XLA:
         raise InputError("sampling needs machine code, which these laws have not")
     begin = time.perf_counter()
     at_best = fitted.objective, fitted.points, inflation
     draws = draws or draw(*at_best, seed=seed, progress=progress)
     objective = fitted.objective.at(draws.accuracy)
-    host = _Host(objective, inflation, progress)
-    position, statistics = _run_chains(host, draws, chains, warmup, count, seed)
-    unknowns = host.unknowns(position)
+    position, statistics = _run_chains(
+        *(objective, inflation, draws, chains, warmup, count, seed),
+        progress.within("sampling: "),
+    )
+    unknowns = _unknowns(objective.bounds, position)
     arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
     scale_reduction = np.array([float(arviz.rhat(values)) for values in each])
     effective = np.array([float(arviz.ess(values)) for values in each])
@@ -122,15 +120,34 @@ def sample_posterior(
     )
 
 
+def _unknowns(bounds: Bounds, y):
+    """Convert y, of NumPy or JAX, to x."""
+    part = 1.0 / (1.0 + namespace_of(y).exp(-y))
+    return bounds.low + (bounds.high - bounds.low) * part
+
+
 def _run_chains(
-    host: "_Host", draws: Draws, chains: int, warmup: int, count: int, seed: int
+    objective: Objective,
+    inflation: float,
+    draws: Draws,
+    chains: int,
+    warmup: int,
+    count: int,
+    seed: int,
+    progress: Progress,
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Adapt and run the chains; positions, shape (chains, draws, unknowns), and the
-    statistics of `Chains`."""
+    """Adapt and run the chains; positions in y, shape (chains, draws, unknowns), and
+    the statistics of `Chains`."""
     import blackjax  # pyright: ignore[reportMissingImports]
 
-    y = host.unbounded(draws.x)
-    log_density = _as_function(host, y.shape[1])
+    bounds = objective.bounds
+
+    def log_density(y):
+        # The logarithm of dx/dy, up to a constant.
+        slope = jax.nn.log_sigmoid(y) + jax.nn.log_sigmoid(-y)
+        return jnp.sum(slope) - objective.cost(_unknowns(bounds, y)) / inflation
+
+    y = logit(np.clip(bounds.fraction(draws.x), EDGE, 1.0 - EDGE))
     chosen = np.random.default_rng(seed).choice(len(draws.x), chains, p=draws.weights)
     mass = moments(y, draws.weights)[1]
     mass = mass + 1e-9 * np.trace(mass) * np.eye(len(mass))
@@ -162,20 +179,16 @@ def _run_chains(
             key, state, log_density, step_size, mass, max_num_doublings=MOST_DOUBLINGS
         )
 
-    state, step_size, mass = warm(
-        jax.random.split(key_warmup, chains), jnp.asarray(y[chosen])
-    )
-    jax.block_until_ready(state)
-    host.check()
+    progress(f"warm-up of {warmup} draws")
+    state, *found = warm(jax.random.split(key_warmup, chains), jnp.asarray(y[chosen]))
     rows = []
     for number in range(count):
+        progress(f"draw {number + 1} of {count}")
         keys = jax.random.split(jax.random.fold_in(key, number), chains)
-        state, info = step(keys, state, step_size, mass)
+        state, info = step(keys, state, *found)
         row = (state.position, state.logdensity, info.is_divergent)
         row += (info.acceptance_rate, info.num_integration_steps)
         rows.append(jax.device_get(row))
-        host.check()
-        host.kept = number + 1
     position, *each = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
     return position, dict(zip(STATISTICS, each, strict=True))
 
@@ -195,69 +208,6 @@ def _arviz() -> Any:
         import arviz  # pyright: ignore[reportMissingImports]
 
     return arviz
-
-
-class _Host:
-    """Density and gradient in y, computed by NumPy and machine code."""
-
-    def __init__(self, objective: Objective, inflation: float, progress: Progress):
-        self.objective, self.inflation, self.progress = objective, inflation, progress
-        self.low = objective.bounds.low
-        self.range = objective.bounds.high - self.low
-        self.calls, self.kept, self.talked = 0, 0, 0.0
-        self.raised: BaseException | None = None
-
-    def __call__(self, y: np.ndarray):
-        """Evaluate one chain (unknowns,) or several (chains, unknowns)."""
-        y = np.asarray(y)
-        if self.raised is None:
-            try:
-                return self._evaluate(y)
-            except BaseException as error:  # Ctrl-C too
-                # Raised here it would leave JAX as another exception.
-                self.raised = error
-        # Such a trajectory diverges, and sampling ends soon.
-        return np.full(y.shape[:-1], -np.inf), np.zeros(y.shape)
-
-    def unbounded(self, x: np.ndarray) -> np.ndarray:
-        """Convert x to y."""
-        fraction = (x - self.low) / self.range
-        return logit(np.clip(fraction, EDGE, 1.0 - EDGE))
-
-    def unknowns(self, y: np.ndarray) -> np.ndarray:
-        """Convert y to x."""
-        return self.low + self.range * expit(y)
-
-    def check(self) -> None:
-        """Raise the exception of a callback, if there was one."""
-        if self.raised is not None:
-            raise self.raised
-
-    def _evaluate(self, y: np.ndarray):
-        rows = np.atleast_2d(y)
-        points, part = self.objective(self.unknowns(rows)), expit(rows)
-        value = -points.cost / self.inflation
-        value = value + np.sum(np.log(np.maximum(part * (1.0 - part), 1e-300)), axis=1)
-        slopes = -points.gradient / self.inflation
-        gradient = slopes * self.range * part * (1.0 - part) + 1.0 - 2.0 * part
-        self.calls += 1
-        now = time.monotonic()
-        if now - self.talked > TALK_EVERY:
-            self.talked = now
-            self.progress(f"sampling: draw {self.kept}, density {self.calls} times")
-        return value.reshape(y.shape[:-1]), gradient.reshape(y.shape)
-
-
-def _as_function(host: _Host, size: int):
-    """Wrap the host's density as a function of JAX with a gradient."""
-    shapes = tuple(jax.ShapeDtypeStruct(shape, jnp.float64) for shape in ((), (size,)))
-
-    def both(y):
-        return jax.pure_callback(host, shapes, y, vmap_method="broadcast_all")
-
-    log_density = jax.custom_vjp(lambda y: both(y)[0])
-    log_density.defvjp(both, lambda gradient, change: (change * gradient,))
-    return log_density
 
 
 def to_inference_data(

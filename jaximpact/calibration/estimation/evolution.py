@@ -76,10 +76,9 @@ def evolve(
 
     robust, bounds = robust_of(objective), objective.bounds
     members = members_for(x.shape[1])
-    impacts = (len(candidates) + GENERATIONS * members) * len(objective.study.measured)
 
     def cost(x: np.ndarray) -> np.ndarray:
-        found = robust.values(x, of=impacts).cost
+        found = robust.values(x).cost
         return np.where(np.isfinite(found), found, FAILED)
 
     progress(f"screening {len(candidates)} candidates")

@@ -146,7 +146,7 @@ def levenberg_marquardt(
     x = np.clip(x, low, high)
     all_free = free is None
     free = np.ones(x.shape, bool) if free is None else free
-    points = objective(x, free)
+    points = objective(x)
     state = _State(len(x))
     for number in range(rule.steps + 1):
         going = np.flatnonzero(state.going)
@@ -167,14 +167,11 @@ def levenberg_marquardt(
         going, here = going[on], here.take(on)
         room = here, free[going], low - here.x, high - here.x
         step, promise = bounded_step(*room, state.damping[going])
-        tried = objective.evaluate_partially(
-            np.clip(here.x + step, low, high), free[going]
-        )
+        tried = objective.values(np.clip(here.x + step, low, high))
         fall = here.cost - tried.cost
         taken = fall > LEAST_FALL * promise
         if np.any(taken):
-            whole = objective.add_derivatives(tried.take(taken), free[going[taken]])
-            points = points.put(going[taken], whole)
+            points = points.put(going[taken], objective(tried.x[taken]))
         state.update(going, taken, fall, promise, here, tried)
     reasons = [reason or Reason.step_limit for reason in state.reasons]
     return _with_leaders(Fits(points, reasons, state.steps), state.leader)

@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._jax_internals import namespace_of
+
 NEAR_BOUND = 0.01
 """Distance from a bound, as a fraction of the range in x, within which a parameter is
 at it."""
@@ -37,10 +39,11 @@ class Bounds(NamedTuple):
         return np.where(self.logarithmic, logarithm, p / self.half)
 
     def parameter(self, x) -> np.ndarray:
-        """Convert x to p."""
-        x = np.asarray(x, float)
-        exponential = np.exp(np.where(self.logarithmic, x, 0.0))
-        return np.where(self.logarithmic, exponential, x * self.half)
+        """Convert x, of NumPy or JAX, to p."""
+        xp = namespace_of(x)
+        x = xp.asarray(x, float)
+        exponential = xp.exp(xp.where(self.logarithmic, x, 0.0))
+        return xp.where(self.logarithmic, exponential, x * self.half)
 
     def slope(self, x) -> np.ndarray:
         """Compute the derivative of p with respect to x."""

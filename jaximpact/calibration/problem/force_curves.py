@@ -1,4 +1,4 @@
-"""Forces against time as targets: curves of tests, and the model's forces.
+"""Forces against time as targets: curves of tests.
 
 Each time of a curve is a row of the tests, with the impact of its test, the time in
 `time_s`, and the forces there. Points of one curve share one simulated impact.
@@ -6,12 +6,8 @@ Each time of a curve is a row of the tests, with the impact of its test, the tim
 
 import dataclasses
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from ...accuracy import Accuracy
-from ...backend.derivative_rules import solve_at
 from ...errors import InputError
 from ...io.scene_table import SIGMA_COLUMNS, Table, read_table
 from ...quantities import (
@@ -96,68 +92,3 @@ def _read_curve(table: Table, row: int, name: str) -> Table:
             f"must have {TIME_COLUMN} and {' or '.join(CURVE_COLUMNS)}", file=path
         )
     return curve
-
-
-def forces_at(
-    structure,
-    leaves: np.ndarray,
-    directions: np.ndarray,
-    times: np.ndarray,
-    names: list[str],
-    accuracy: Accuracy,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Compute forces of impacts at times, and their derivatives along directions.
-
-    Args:
-        structure: tree of a scene.
-        leaves, directions: leaves of the scenes and their derivatives, shape (leaves,
-            impacts); equal impacts are computed once.
-        times: one for each impact [s], shape (impacts,).
-        names: columns of `CURVE_COLUMNS`.
-
-    Returns:
-        Forces and their derivatives, shape (impacts, names), and codes of the outcomes,
-        shape (impacts,). NaN after the end of a contact in which the block stays.
-    """
-    both = np.concatenate([leaves, directions])
-    each, of = np.unique(both, axis=1, return_inverse=True)
-    order = np.argsort(of, kind="stable")
-    place = np.empty(len(of), int)
-    first = np.searchsorted(of[order], np.arange(each.shape[1]))
-    place[order] = np.arange(len(of)) - first[of[order]]
-    at = np.full((each.shape[1], int(np.max(place)) + 1), np.inf)
-    at[of, place] = times
-    shape = len(names) + 1, *at.shape
-    values, rates = np.empty(shape), np.empty(shape)
-    leaves, directions = np.split(each, 2)
-    patterns, kind = np.unique(directions != 0.0, axis=1, return_inverse=True)
-    for number, varied in enumerate(patterns.T):
-        own = np.flatnonzero(kind == number)
-        # A power of two of impacts: JAX compiles for each number of them.
-        filled = np.resize(own, 1 << (len(own) - 1).bit_length())
-        rows = leaves[:, filled], directions[:, filled], at[filled]
-        found = _solve(structure, *rows, np.flatnonzero(varied), names, accuracy)
-        values[:, own], rates[:, own] = (part[:, : len(own)] for part in found)
-    values, rates = values[:, of, place], rates[:, of, place]
-    return values[:-1].T, rates[:-1].T, values[-1]
-
-
-def _solve(structure, leaves, directions, times, places, names, accuracy):
-    """Compute forces and outcomes of impacts, shape (names and outcome, impacts,
-    times), and their derivatives with respect to the leaves at some places."""
-    rows = [*leaves]
-
-    def forces(changed):
-        for place, row in zip(places, changed, strict=True):
-            rows[place] = row
-        numbers, history = solve_at(structure, rows, accuracy, False, times)
-        found = [getattr(history, CURVE_COLUMNS[name].field) for name in names]
-        outcome = jnp.broadcast_to(numbers.outcome_code[:, None], found[0].shape)
-        return jnp.stack([*found, outcome])
-
-    own = [jnp.asarray(leaves[place]) for place in places]
-    if not own:
-        values = np.asarray(forces(own))
-        return values, np.zeros_like(values)
-    along = [jnp.asarray(directions[place]) for place in places]
-    return map(np.asarray, jax.jvp(forces, (own,), (along,)))

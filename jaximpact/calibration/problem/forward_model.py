@@ -1,25 +1,38 @@
-"""The forward model: predictions of all tests for many soils, with derivatives."""
+"""The forward model: predictions of all tests as a function of the unknowns, by JAX."""
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
-from ...accuracy import Accuracy
-from ...impact.problem import Assembly
-from ...impact.reduced_models import PLANAR, PLANAR_DAMPED
-from ...parameters import parameters_of
+from ..._types import Structure
+from ...accuracy import PRESETS, Accuracy
+from ...backend import MACHINE_CODE
+from ...backend.rows import prepare
 from ...progress import Progress, listening, telling
-from ...quantities import CURVE_COLUMNS, columns_of, leaf_places
+from ...quantities import (
+    CURVE_COLUMNS,
+    DERIVED_COLUMNS,
+    TARGET_COLUMNS,
+    InputColumn,
+    columns_of,
+    leaf_places,
+)
 from ...scene import Scene
+from ...shapes import each_shape
+from ...simulation import simulate
 from ...tasks import Item, Result, run_in_threads
 from .bounds import Bounds
-from .config import Study, Variant
-from .engine import Engine
+from .config import Study
+from .dataset import Measurements
+from .derived_targets import derived
+from .program import OwnColumn, Program, Response, Rows, program_of
 
-STEEPEST = 1e100
-"""Derivatives above, whose squares could overflow, are set to 0."""
+XLA = "XLA"
 
 
 def bounds_of(study: Study) -> Bounds:
@@ -37,160 +50,251 @@ def bounds_of(study: Study) -> Bounds:
 class UnknownColumn(NamedTuple):
     """Unknowns that set one column of the scene."""
 
-    leaf: int
-    """Index of the column's leaf in the scene."""
-    factor: float
-    """SI value of one unit of the column."""
+    name: str
     base: np.ndarray
     """Value to which the unknown is added [unit of the column], shape (tests,)."""
     unknown: np.ndarray
     """Index of the unknown of each test, shape (tests,)."""
     pooled: bool = False
-    """Whether it is the logarithm of a factor on the fitted parameter of its leaf."""
+    """Whether it is the logarithm of a factor on the fitted parameter of its name."""
 
 
-def unknown_columns(study: Study, scene: Scene) -> list[UnknownColumn]:
+def unknown_columns(study: Study) -> list[UnknownColumn]:
     """List the columns of the scene that are fitted: parameters, then nuisances."""
-    tests, columns, leaves = len(study.tests), columns_of(scene), leaf_places(scene)
+    tests, first = len(study.tests), len(study.parameters)
     found = [
-        UnknownColumn(
-            leaves[parameter.name],
-            columns[parameter.name].factor,
-            np.zeros(tests),
-            np.full(tests, index),
-        )
+        UnknownColumn(parameter.name, np.zeros(tests), np.full(tests, index))
         for index, parameter in enumerate(study.parameters)
     ]
-    first = len(found)
     for nuisance in study.nuisances:
-        factor, leaf = columns[nuisance.name].factor, leaves[nuisance.name]
         unknown = first + nuisance.group
         found.append(
-            UnknownColumn(leaf, factor, nuisance.base, unknown, nuisance.pooled)
+            UnknownColumn(nuisance.name, nuisance.base, unknown, nuisance.pooled)
         )
         first += len(nuisance.groups)
     return found
 
 
+class Impacts(NamedTuple):
+    """Impacts of one shape among all of a study."""
+
+    program: Program
+    places: np.ndarray
+    """Indices among all impacts, shape (impacts,)."""
+    leaves: np.ndarray
+    """Leaves that are no constants, shape (impacts, leaves)."""
+
+
 class ForwardModel:
-    """Predictions of a study's tests, on the ground of a variant, as a function of the
-    unknowns x."""
+    """Predictions of a study's tests as a function of the unknowns, in the units of
+    their columns.
+
+    Points of one curve are tests of one impact, which is computed once.
+    """
 
     def __init__(
-        self, study: Study, variant: Variant, engine: Engine, accuracy: Accuracy
+        self,
+        tests: Measurements,
+        targets: tuple[str, ...],
+        columns: Sequence[UnknownColumn],
+        impacts: list[Impacts],
     ):
-        self.study, self.engine, self.accuracy = study, engine, accuracy
-        self.bounds = bounds_of(study)
-        self.scene = study.scene_of(variant)
-        leaf_of = leaf_places(self.scene)
-        leaves = [np.asarray(x) for x in jax.tree.leaves(self.scene)]
-        if {*study.targets} & {*CURVE_COLUMNS}:
-            leaves.append(study.tests.times)
-        self._leaves = np.stack(leaves)
-        self._columns = unknown_columns(study, self.scene)
-        columns = columns_of(self.scene)
-        # Leaf, SI value of one unit, and expression of each column that is tied.
-        self._tied = [
-            (leaf_of[tied.name], columns[tied.name].factor, tied) for tied in study.tied
-        ]
+        first, self.impact = np.unique(tests.first_of_row, return_inverse=True)
+        self.unknown = np.stack([column.unknown[first] for column in columns], axis=1)
+        """Index of the unknown of each impact and column, (impacts, columns)."""
+        self.base = np.stack([column.base[first] for column in columns], axis=1)
+        self.impacts = impacts
+        is_curve = np.isin(targets, [*CURVE_COLUMNS])
+        others, curves = np.sum(~is_curve), np.sum(is_curve)
+        timed = np.isfinite(tests.times) & np.any(is_curve)
+        slot = np.zeros(len(tests), int)
+        for test in np.flatnonzero(timed):
+            before = self.impact[:test][timed[:test]]
+            slot[test] = np.sum(before == self.impact[test])
+        most = int(np.max(slot[timed], initial=-1)) + 1
+        self.times = np.full((len(first), most), np.inf)
+        self.times[self.impact[timed], slot[timed]] = tests.times[timed]
+        self.cell = np.full((len(tests), len(targets)), -1)
+        """Index of each test's target among the results of its impact; -1 where a test
+        cannot have one."""
+        self.cell[np.ix_(~timed, ~is_curve)] = np.arange(others)
+        of_curves = others + most * np.arange(curves) + slot[timed, None]
+        self.cell[np.ix_(timed, is_curve)] = of_curves
+        self.count = int(others + most * curves)
 
-    def _impacts(self, x) -> np.ndarray:
-        """Build the leaves of the scenes, shape (leaves, lanes, tests)."""
-        p = self.bounds.parameter(x)
-        leaves = np.repeat(self._leaves[:, None], len(x), axis=1)
-        for column in self._columns:
-            own = p[:, column.unknown]
-            if column.pooled:
-                leaves[column.leaf] *= np.exp(own)
-                continue
-            leaves[column.leaf] = column.factor * (column.base + own)
-        for leaf, value, _ in self._tied_values(p):
-            leaves[leaf] = value[:, None]
-        return leaves
+    @property
+    def engine(self) -> str:
+        """Name of what computes the impacts."""
+        in_xla = any(impacts.program.in_xla for impacts in self.impacts)
+        return XLA if in_xla else MACHINE_CODE
 
-    def _tied_values(self, p):
-        """Compute the tied leaves and their derivatives with respect to the parameters
-        p, in SI."""
-        names = tuple(parameter.name for parameter in self.study.parameters)
-        for leaf, factor, tied in self._tied:
-            value, slopes = tied.evaluate(names, p[:, : len(names)])
-            yield leaf, factor * value, factor * slopes
+    def predict(self, p: Array, accuracy: Accuracy) -> Array:
+        """Predict all tests, shape (tests, targets), as a function of JAX of the
+        unknowns, shape (unknowns,); NaN where there is no prediction."""
+        own = jnp.asarray(self.base) + p[self.unknown]
+        results = jnp.full((len(own), self.count), jnp.nan)
+        for program, places, leaves in self.impacts:
+            rows = own[places], jnp.asarray(leaves), jnp.asarray(self.times[places])
+            found, _ = program.results(*rows, accuracy)
+            results = results.at[places].set(found)
+        found = results[self.impact[:, None], self.cell]
+        return jnp.where(self.cell >= 0, found, jnp.nan)
 
-    def _predict(self, x, wanted):
-        """Compute predictions, outcomes and the Jacobian at x, shape (lanes, unknowns),
-        with a mask of the columns whose derivatives are wanted, (columns, lanes)."""
-        study = self.study
-        lanes, tests, targets = len(x), *study.measured.shape
-        leaves = self._impacts(x)
-        by_x = self.bounds.slope(x)
-        runs, of_lane = np.nonzero(wanted)
-        impacts = leaves[:, of_lane].reshape(len(leaves), -1)
-        directions = np.zeros((len(leaves), len(runs), tests))
-        p = self.bounds.parameter(x)
-        for run, column in enumerate(self._columns):
-            here = of_lane[runs == run]
-            factor = column.factor
-            if column.pooled:
-                factor = leaves[column.leaf, here]
-            for other in self._columns:
-                if other.pooled and other.leaf == column.leaf and not column.pooled:
-                    factor = factor * np.exp(p[here][:, other.unknown])
-            directions[column.leaf, runs == run] = factor
-        for leaf, _, slopes in self._tied_values(p):
-            for index in range(slopes.shape[1]):
-                here = runs == index
-                directions[leaf, here] = slopes[of_lane[here], index][:, None]
-        directions = directions.reshape(len(leaves), -1)
-        values, derivatives, outcomes = self.engine.run(
-            impacts, directions, self.accuracy
-        )
-        values, derivatives = (
-            part.reshape(len(runs), tests, targets) for part in (values, derivatives)
-        )
-        # Where an outcome changes a derivative may be huge, and its square overflow.
-        finite = np.isfinite(values) & (np.abs(derivatives) < STEEPEST)
-        derivatives = np.where(finite, derivatives, 0.0)
-        predicted = np.empty((lanes, tests, targets))
-        predicted[of_lane] = values
-        codes = np.empty((lanes, tests))
-        codes[of_lane] = outcomes.reshape(len(runs), tests)
-        jacobian = np.zeros((lanes, tests, targets, x.shape[1]))
-        each = np.arange(tests)
-        for run, column in enumerate(self._columns):
-            here = of_lane[runs == run]
-            slope = by_x[here][:, column.unknown][..., None]
-            # Each test depends on one group alone.
-            jacobian[here[:, None], each, :, column.unknown] = (
-                derivatives[runs == run] * slope
+    def evaluate(
+        self, p: np.ndarray, accuracy: Accuracy, *, derivatives: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Predict all tests for many unknowns.
+
+        Args:
+            p: unknowns, shape (lanes, unknowns).
+
+        Returns:
+            Predictions, shape (lanes, tests, targets); codes of the outcomes, shape
+            (lanes, tests); and, if wanted, derivatives with respect to the unknowns of
+            each test (`unknown`), shape (lanes, tests, targets, columns).
+        """
+        own = self.base + p[:, self.unknown]
+        lanes, impacts, columns = own.shape
+        results = np.full((lanes, impacts, self.count), np.nan)
+        outcomes = np.empty((lanes, impacts))
+        slopes = np.zeros((*results.shape, columns)) if derivatives else None
+        for program, places, leaves in self.impacts:
+            rows = Rows(
+                own[:, places].reshape(-1, columns),
+                np.tile(leaves, (lanes, 1)),
+                np.tile(self.times[places], (lanes, 1)),
             )
-        return predicted, codes, jacobian
+            found = program.run(rows, accuracy, derivatives=derivatives)
+            found = [each.reshape(lanes, -1, *each.shape[1:]) for each in found]
+            results[:, places], outcomes[:, places] = found[:2]
+            if slopes is not None:
+                slopes[:, places] = found[2]
+        cells = slice(None), self.impact[:, None], self.cell
+        predicted = np.where(self.cell >= 0, results[cells], np.nan)
+        return (
+            predicted,
+            outcomes[:, self.impact],
+            None if slopes is None else slopes[cells],
+        )
+
+    def of_tests(self, tests: np.ndarray) -> "ForwardModel":
+        """Return the model of the tests at some places alone."""
+        part = copy.copy(self)
+        kept, part.impact = np.unique(self.impact[tests], return_inverse=True)
+        part.cell = self.cell[tests]
+        part.unknown, part.base = self.unknown[kept], self.base[kept]
+        part.times = self.times[kept]
+        part.impacts = []
+        for program, places, leaves in self.impacts:
+            here = np.isin(places, kept)
+            if np.any(here):
+                new = np.searchsorted(kept, places[here])
+                part.impacts.append(Impacts(program, new, leaves[here]))
+        return part
 
 
-def engine_of(study: Study) -> Engine:
-    """Return the engine for the first variant of a study, and all with its laws."""
-    return engines_of(study)[0]
+def forward_models(
+    study: Study,
+    grounds: Sequence[Any],
+    columns: Sequence[UnknownColumn],
+    known: Mapping[str, InputColumn],
+    response: Response,
+) -> list[ForwardModel]:
+    """Make the model on each of several grounds, with common programs.
 
-
-def engines_of(study: Study) -> list[Engine]:
-    """Return the engine for each variant of a study; those of equal laws share one."""
-    scenes = [study.scene_of(variant) for variant in study.variants]
-    soils = [scene.soil for scene in scenes]
-    columns = [p.name for p in study.parameters] + [n.name for n in study.nuisances]
-    # A dashpot may come to act where a parameter of its law is fitted.
-    damped = any(np.any(soil.damping.acts()[1]) for soil in soils)
-    damping = {said.column for s in soils for said in parameters_of(s.damping).values()}
-    damped |= bool(damping & {*columns})
-    model = PLANAR_DAMPED if damped else PLANAR
-    structures = [jax.tree.structure(scene) for scene in scenes]
-    engines = {
-        structure: Engine(Assembly(structure, model, ledger=False), study.targets)
-        for structure in dict.fromkeys(structures)
+    Args:
+        grounds: tree of all tests on each ground, leaves (tests,).
+        columns: columns of the trees that are fitted.
+        known: all columns of the trees.
+    """
+    first = np.unique(study.tests.first_of_row)
+    leaves_of: dict[Structure, list[np.ndarray]] = {}
+    split = []
+    for ground in grounds:
+        split.append([])
+        impacts = jax.tree.map(lambda leaf: np.asarray(leaf)[first], ground)
+        for tree, chosen in each_shape(impacts):
+            structure = jax.tree.structure(tree)
+            leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(tree)])
+            leaves_of.setdefault(structure, []).append(leaves)
+            split[-1].append((structure, np.arange(len(first))[chosen], leaves))
+    own = [OwnColumn(c.name, known[c.name].factor, c.pooled) for c in columns]
+    tied = [(one, known[one.name].factor) for one in study.tied]
+    programs = {
+        structure: program_of(
+            structure, np.concatenate(leaves, axis=1), own, tied, response
+        )
+        for structure, leaves in leaves_of.items()
     }
-    return [engines[structure] for structure in structures]
+    return [
+        ForwardModel(
+            *(study.tests, study.targets, columns),
+            [
+                Impacts(programs[structure], here, leaves[programs[structure].varied].T)
+                for structure, here, leaves in shapes
+            ],
+        )
+        for shapes in split
+    ]
+
+
+class ImpactResponse(NamedTuple):
+    """The model of impacts."""
+
+    targets: tuple[str, ...]
+
+    def places(self, tree: Scene) -> dict[str, int]:
+        """Find the leaf of each column of a scene."""
+        return leaf_places(tree)
+
+    def in_xla(self, structure: Structure, leaves: Sequence) -> bool:
+        """Tell whether the laws have no machine code."""
+        return prepare(structure, leaves, PRESETS["fast"]) == XLA
+
+    def __call__(self, tree: Scene, times: Array, accuracy: Accuracy):
+        """Simulate impacts."""
+        save_at = times if times.shape[-1] else None
+        found = simulate(tree, accuracy=accuracy, save_at=save_at)
+
+        def value(name: str) -> Array:
+            return getattr(found, TARGET_COLUMNS[name].field)
+
+        results = [results_in_order(self.targets, tree, value)]
+        if found.history is not None:
+            results += [
+                getattr(found.history, CURVE_COLUMNS[name].field)
+                for name in self.targets
+                if name in CURVE_COLUMNS
+            ]
+        return results, found.outcome_code
+
+
+def results_in_order(
+    targets: tuple[str, ...], scene: Scene, value: Callable[[str], Array]
+) -> Array:
+    """Collect the targets that are no forces at times, some of which follow from
+    others, shape (impacts, targets)."""
+    found = [
+        derived(name, scene, value("v_n_mps"), value("v_t_mps"))
+        if name in DERIVED_COLUMNS
+        else value(name)
+        for name in targets
+        if name not in CURVE_COLUMNS
+    ]
+    count = len(scene.impact.speed)
+    return jnp.stack(found, axis=1) if found else jnp.empty((count, 0))
+
+
+def models_of(study: Study) -> list[ForwardModel]:
+    """Make the model of impacts for each variant of a study."""
+    scenes = [study.scene_of(variant) for variant in study.variants]
+    known = {name: c for scene in scenes for name, c in columns_of(scene).items()}
+    response = ImpactResponse(study.targets)
+    return forward_models(study, scenes, unknown_columns(study), known, response)
 
 
 def for_each_variant(
-    engines: Sequence[Engine],
+    models: Sequence[ForwardModel],
     function: Callable[[Item, Progress], Result],
     variants: Sequence[Item],
     progress: Progress,
@@ -201,7 +305,7 @@ def for_each_variant(
     variant overlaps the impacts of another; XLA would compile for each. The numbers are
     those of one call after the other.
     """
-    in_xla = any(engine.kernel is None for engine in engines)
+    in_xla = any(model.engine == XLA for model in models)
     if in_xla or len(variants) == 1:
         return [function(variant, progress) for variant in variants]
     with telling(progress):

@@ -24,10 +24,13 @@ otherwise have next to no sigma, and its test would rule the fit, however little
 model is off there.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jax
 import numpy as np
-from scipy.special import log_ndtr
+import scipy.special
+
+from ..._jax_internals import namespace_of
 
 CONSTANT, PROPORTIONAL = SCATTERS = ("constant", "proportional")
 LEAST_SIZE = 0.02
@@ -42,48 +45,52 @@ WEIGHTS = WEIGHTS / np.sum(WEIGHTS)
 
 
 class Losses(NamedTuple):
-    """Losses of residuals and their derivatives with respect to u, all of one shape."""
+    """Losses of residuals and their derivatives with respect to u, arrays of one
+    shape."""
 
-    value: np.ndarray
-    slope: np.ndarray
-    curvature: np.ndarray
+    value: Any
+    slope: Any
+    curvature: Any
     """Positive; of a robust loss, the curvature of the parabola that touches it from
     above."""
 
 
-def losses(u: np.ndarray, censored: np.ndarray, kind: str = LOSSES[0]) -> Losses:
+def losses(u: Any, censored: np.ndarray, kind: str = LOSSES[0]) -> Losses:
     """Compute losses of residuals.
 
     Args:
-        u: standardised residuals.
+        u: standardised residuals, of NumPy or JAX.
         censored: 1 where the true value is above the one stated, -1 where it is below,
             0 where it is measured.
         kind: one of `LOSSES`.
     """
+    xp = namespace_of(u)
+    special = scipy.special if xp is np else jax.scipy.special
     sign = np.where(censored == 0, 1.0, censored)
     towards = sign * u
-    log_phi = log_ndtr(towards)
-    ratio = np.exp(-0.5 * towards**2 - LOG_ROOT_TWO_PI - log_phi)
-    value = np.where(censored == 0, 0.5 * u**2, -log_phi)
-    slope = np.where(censored == 0, u, -sign * ratio)
+    log_phi = special.log_ndtr(towards)
+    ratio = xp.exp(-0.5 * towards**2 - LOG_ROOT_TWO_PI - log_phi)
+    value = xp.where(censored == 0, 0.5 * u**2, -log_phi)
+    slope = xp.where(censored == 0, u, -sign * ratio)
     # Rounding can make it negative far inside the limit, where it vanishes.
-    bent = np.maximum(ratio * (ratio + towards), 0.0)
-    curvature = np.where(censored == 0, 1.0, bent)
+    bent = xp.maximum(ratio * (ratio + towards), 0.0)
+    curvature = xp.where(censored == 0, 1.0, bent)
     outer, outer_slope = _robust(2.0 * value, kind)
     return Losses(outer, 2.0 * outer_slope * slope, 2.0 * outer_slope * curvature)
 
 
-def _robust(s: np.ndarray, kind: str) -> tuple[np.ndarray, np.ndarray]:
+def _robust(s, kind: str) -> tuple:
     """Compute a loss as a function of s, and its derivative."""
+    xp = namespace_of(s)
     if kind == "soft-l1":
-        root = np.sqrt(1.0 + s)
+        root = xp.sqrt(1.0 + s)
         return root - 1.0, 0.5 / root
     if kind == "student":
         return (
-            0.5 * (FREEDOM + 1.0) * np.log1p(s / FREEDOM),
+            0.5 * (FREEDOM + 1.0) * xp.log1p(s / FREEDOM),
             0.5 * (FREEDOM + 1.0) / (FREEDOM + s),
         )
-    return 0.5 * s, np.full_like(s, 0.5)
+    return 0.5 * s, xp.full_like(s, 0.5)
 
 
 def scale_of_normal(kind: str) -> float:
