@@ -104,12 +104,12 @@ def digest(atoms: Iterable[Atom]) -> str:
 def plain_values(atoms: Iterable[Atom]) -> dict[str, Any]:
     """Select the numbers and texts among what `walk` lists that have a name: constants
     of modules, functions and classes."""
-    found, name = {}, None
+    constants, name = {}, None
     for kind, value in atoms:
         if name is not None and kind in ("bool", "int", "float", "complex", "str"):
-            found[name] = value
+            constants[name] = value
         name = value if kind == "constant" else None
-    return found
+    return constants
 
 
 class _Walker:
@@ -264,8 +264,8 @@ class _Walker:
         # Without its module: one of a file by name is called by what is in the file.
         self.add("object", kind.__qualname__)
         self.visit(kind)
-        own = _attributes(value)
-        self.visit({n: own[n] for n in own if n not in _worked_out(kind)})
+        attributes = _attributes(value)
+        self.visit({n: attributes[n] for n in attributes if n not in _worked_out(kind)})
         for name in _slots(kind):
             with contextlib.suppress(Exception):  # not set
                 self.visit(getattr(value, name))
@@ -305,10 +305,10 @@ class _Walker:
             return None
         if not self._is_known(module) or "<" in name:
             return None
-        found: Any = sys.modules.get(module)
+        value_there: Any = sys.modules.get(module)
         for part in name.split("."):
-            found = getattr(found, part, None)
-        return f"{module}.{name}" if found is value else None
+            value_there = getattr(value_there, part, None)
+        return f"{module}.{name}" if value_there is value else None
 
     def _is_known(self, module: str | None) -> bool:
         """Tell whether a module is of this package, of Python, or of an installed
@@ -372,8 +372,8 @@ def _is_key(value: jax.Array) -> bool:
 
 
 def _attributes(value) -> dict[str, Any]:
-    found = getattr(value, "__dict__", None)
-    return found if isinstance(found, dict) else {}
+    attributes = getattr(value, "__dict__", None)
+    return attributes if isinstance(attributes, dict) else {}
 
 
 def _worked_out(kind: type) -> set[str]:
@@ -383,14 +383,14 @@ def _worked_out(kind: type) -> set[str]:
         name
         for base in kind.__mro__
         if top_of(base.__module__) == PACKAGE
-        for name, held in vars(base).items()
-        if isinstance(held, functools.cached_property)
+        for name, attribute in vars(base).items()
+        if isinstance(attribute, functools.cached_property)
     }
 
 
 def _slots(kind: type) -> list[str]:
-    given = (vars(base).get("__slots__", ()) for base in kind.__mro__)
-    slots = [[each] if isinstance(each, str) else list(each) for each in given]
+    slots_of_bases = (vars(base).get("__slots__", ()) for base in kind.__mro__)
+    slots = [[each] if isinstance(each, str) else list(each) for each in slots_of_bases]
     return [name for each in slots for name in each if name != "__weakref__"]
 
 

@@ -51,8 +51,8 @@ def name_of(kind: type[Part]) -> str:
     module = Path(file).stem if file else kind.__module__
     atoms = _state_of(kind, (kind,))
     values = [f"{name}={value}" for name, value in plain_values(atoms).items()]
-    told = [digest(atoms)[:16], *values[:MOST_VALUES]]
-    return f"{module}.{kind.__qualname__} ({', '.join(told)})"
+    details = [digest(atoms)[:16], *values[:MOST_VALUES]]
+    return f"{module}.{kind.__qualname__} ({', '.join(details)})"
 
 
 def code_digest(kind: type) -> str:
@@ -90,20 +90,21 @@ def users_code(tree) -> list:
     if tree is None or jax.tree_util.all_leaves([tree]):
         return []
     if isinstance(tree, tuple | list | dict):
-        own = [] if is_ours(type(tree)) or type(tree) in (tuple, list, dict) else [tree]
         nodes = tree.values() if isinstance(tree, dict) else tree
-        return own + [found for node in nodes for found in users_code(node)]
+        inside = [part for node in nodes for part in users_code(node)]
+        is_plain = is_ours(type(tree)) or type(tree) in (tuple, list, dict)
+        return inside if is_plain else [tree, *inside]
     if not isinstance(tree, eqx.Module):
         return [tree]
     kind = type(tree)
-    found: list = [one for one in made_of(kind) or (kind,) if not is_ours(one)]
+    users: list = [one for one in made_of(kind) or (kind,) if not is_ours(one)]
     for field in dataclasses.fields(tree):
         value = getattr(tree, field.name)
         if not field.metadata.get("static"):
-            found += users_code(value)
+            users += users_code(value)
         elif not _is_plain(value):
-            found.append(value)
-    return found
+            users.append(value)
+    return users
 
 
 def _is_plain(value) -> bool:

@@ -100,15 +100,15 @@ def parameter(
 
     Raises InputError for what cannot be understood.
     """
-    told = f"parameter({default!r}, {unit!r}, {range!r}, {meaning!r})"
+    call = f"parameter({default!r}, {unit!r}, {range!r}, {meaning!r})"
     if isinstance(default, str) or not all(
         isinstance(text, str) for text in (unit, range, meaning)
     ):
         raise InputError(
-            f"{told}: must be parameter(default, unit, range, meaning), a number and "
+            f"{call}: must be parameter(default, unit, range, meaning), a number and "
             "three texts"
         )
-    lower, upper = _ends(told, range)
+    lower, upper = _ends(call, range)
     value = math.nan if default is None else float(default)
     declared = Declared(value, unit, range, meaning, column or "", usual)
     if default is None:
@@ -116,7 +116,7 @@ def parameter(
     above = default >= lower if range[0] == "[" else default > lower
     below = default <= upper if range[-1] == "]" else default < upper
     if not (above and below):
-        raise InputError(f"{told}: the default is not in the range")
+        raise InputError(f"{call}: the default is not in the range")
     return eqx.field(
         default=declared.si_default,
         converter=float64_leaf,
@@ -124,14 +124,14 @@ def parameter(
     )
 
 
-def _ends(told: str, interval: str) -> tuple[float, float]:
+def _ends(call: str, interval: str) -> tuple[float, float]:
     try:
         if interval[0] not in "([" or interval[-1] not in ")]":
             raise ValueError
         lower, upper = (float(end) for end in interval[1:-1].split(","))
     except (ValueError, IndexError):
         raise InputError(
-            f"{told}: the range must be an interval as in '(0, inf)' or '[0, 1]', but "
+            f"{call}: the range must be an interval as in '(0, inf)' or '[0, 1]', but "
             f"is {interval!r}"
         ) from None
     return lower, upper
@@ -140,14 +140,14 @@ def _ends(told: str, interval: str) -> tuple[float, float]:
 @functools.cache
 def declared_of(kind: type) -> dict[str, Declared]:
     """Return what a class declares itself of its parameters, by field name."""
-    found = {}
+    declarations = {}
     for field in dataclasses.fields(kind):
         declared = field.metadata.get("declared")
         if declared is not None:
             suffix = SUFFIXES.get(declared.unit, "")
             name = declared.column or field.name + suffix
-            found[field.name] = declared._replace(column=name)
-    return found
+            declarations[field.name] = declared._replace(column=name)
+    return declarations
 
 
 TABLE_HEADING = (
@@ -171,9 +171,9 @@ def _add_table(kind: type) -> None:
         if declared := field.metadata.get("declared"):
             rows.append(_declared_cells(name, declared))
         elif "base" in field.metadata:
-            held = cast(type[Part], field.default_factory)
-            rows.append((f"{name}: {held.__name__}", "", "", "", ""))
-            rows += [_declared_cells(*pair) for pair in declared_of(held).items()]
+            part_class = cast(type[Part], field.default_factory)
+            rows.append((f"{name}: {part_class.__name__}", "", "", "", ""))
+            rows += [_declared_cells(*pair) for pair in declared_of(part_class).items()]
     if not rows:
         return
     rows = [("name", "default", "unit", "range", "meaning"), *rows]
@@ -394,8 +394,8 @@ class Composite(Module):
         row of one cell with its field and class."""
         rows = _own_rows(self)
         for slot in parts_of(type(self)):
-            held = getattr(self, slot)
-            rows += [(f"{slot}: {type(held).__name__}",), *_own_rows(held)]
+            part = getattr(self, slot)
+            rows += [(f"{slot}: {type(part).__name__}",), *_own_rows(part)]
         return rows
 
     def path_of(self, name: str) -> tuple[str, ...]:
@@ -407,13 +407,13 @@ class Composite(Module):
         return (name,)
 
     def __getattr__(self, name: str) -> Any:
-        slots, held = parts_of(type(self)), vars(self)
+        slots, fields = parts_of(type(self)), vars(self)
         if not name.startswith("__"):
             for slot in slots:
-                if slot in held and name in parameters_of(held[slot]):
-                    return getattr(held[slot], name)
-            if all(slot in held for slot in slots):
-                known = [*held, *(n for s in slots for n in parameters_of(held[s]))]
+                if slot in fields and name in parameters_of(fields[slot]):
+                    return getattr(fields[slot], name)
+            if all(slot in fields for slot in slots):
+                known = [*fields, *(n for s in slots for n in parameters_of(fields[s]))]
                 raise AttributeError(
                     f"{type(self).__name__} has no parameter {name!r}"
                     f"{_unusual_parts(self)}; did you mean {nearest(name, known)}?"
@@ -422,8 +422,8 @@ class Composite(Module):
 
     def __dir__(self):
         slots = parts_of(type(self))
-        own = (n for slot in slots for n in parameters_of(vars(self)[slot]))
-        return sorted({*super().__dir__(), *own})
+        names = (n for slot in slots for n in parameters_of(vars(self)[slot]))
+        return sorted({*super().__dir__(), *names})
 
 
 def _own(whole: Composite, slot: str, owner: dict[str, str]) -> None:

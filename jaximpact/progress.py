@@ -84,16 +84,16 @@ class _Given(Progress):
             self._function(in_words(what, done, total))
 
 
-def as_progress(given: Progress | ProgressFunction | None) -> Progress:
+def as_progress(function: Progress | ProgressFunction | None) -> Progress:
     """Make a `Progress` of what a user gave.
 
     A function of two arguments is told `(done, total)` of what is counted, and a
     function of one every line as a text; a function of any number of arguments, such as
     `print`, gets counts as two numbers and the rest as texts.
     """
-    if given is None:
+    if function is None:
         return SILENT
-    return given if isinstance(given, Progress) else _Given(given)
+    return function if isinstance(function, Progress) else _Given(function)
 
 
 def in_words(what: str, done: int | None = None, total: int | None = None) -> str:

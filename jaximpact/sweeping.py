@@ -170,8 +170,8 @@ def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis
 def columns_of_axes(axes: Axes, base: Scene) -> dict[str, InputColumn]:
     """Return the columns that may vary: those of the base and, where shapes vary, of
     all these shapes."""
-    for name, given in axes.items():
-        for quantity, values in _quantities_of(name, given).items():
+    for name, of_axis in axes.items():
+        for quantity, values in _quantities_of(name, of_axis).items():
             if quantity == SHAPE:
                 return columns_of(
                     with_shapes(base, _kinds(_place(name, SHAPE), values))
@@ -179,8 +179,8 @@ def columns_of_axes(axes: Axes, base: Scene) -> dict[str, InputColumn]:
     return columns_of(base)
 
 
-def _quantities_of(name: str, given) -> Mapping[str, ArrayLike]:
-    return given if isinstance(given, Mapping) else {name: given}
+def _quantities_of(name: str, values) -> Mapping[str, ArrayLike]:
+    return values if isinstance(values, Mapping) else {name: values}
 
 
 def _place(axis: str, quantity: str) -> str:
@@ -190,17 +190,17 @@ def _place(axis: str, quantity: str) -> str:
 
 def _checked_axis(
     name: str,
-    given: ArrayLike | Mapping[str, ArrayLike],
+    of_axis: ArrayLike | Mapping[str, ArrayLike],
     columns: Mapping[str, InputColumn],
 ) -> _Axis:
-    grouped = isinstance(given, Mapping)
+    grouped = isinstance(of_axis, Mapping)
     if grouped and name in {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN, SHAPE}:
         raise InputError(
             f"axis {name} varies several quantities together and needs a name of its "
             f"own, but {name} is a quantity"
         )
     labels, values = None, {}
-    for quantity, entries in _quantities_of(name, given).items():
+    for quantity, entries in _quantities_of(name, of_axis).items():
         place = _place(name, quantity)
         if quantity == LABELS and grouped:
             labels = _labels(place, entries)
@@ -234,34 +234,36 @@ def why_unknown_axis(
     return why_unknown(name, (*columns, SHAPE, *others))
 
 
-def _entries(given) -> list:
+def _entries(values) -> list:
     """Return the entries of a list; none of what is no list."""
-    several = isinstance(given, Iterable) and not isinstance(given, str)
-    return list(given) if several else []
+    several = isinstance(values, Iterable) and not isinstance(values, str)
+    return list(values) if several else []
 
 
-def _kinds(place: str, given) -> Any:
+def _kinds(place: str, values) -> Any:
     """Return an array of classes of shapes, given by their names or themselves."""
-    found = [shape_named(e) if isinstance(e, str) else e for e in _entries(given)]
-    if not found or not all(
-        isinstance(kind, type) and issubclass(kind, AbstractShape) for kind in found
+    classes = [shape_named(e) if isinstance(e, str) else e for e in _entries(values)]
+    if not classes or not all(
+        isinstance(kind, type) and issubclass(kind, AbstractShape) for kind in classes
     ):
-        raise InputError(f"{place} must be a list of names of shapes, but is {given!r}")
-    kinds = np.empty(len(found), object)
-    kinds[:] = found
+        raise InputError(
+            f"{place} must be a list of names of shapes, but is {values!r}"
+        )
+    kinds = np.empty(len(classes), object)
+    kinds[:] = classes
     return kinds
 
 
-def _labels(place: str, given) -> np.ndarray:
-    texts = _entries(given)
+def _labels(place: str, values) -> np.ndarray:
+    texts = _entries(values)
     if not texts or not all(isinstance(text, str) for text in texts):
-        raise InputError(f"{place} must be texts, but is {given!r}")
+        raise InputError(f"{place} must be texts, but is {values!r}")
     return np.array(texts)
 
 
-def _numbers(place: str, column: InputColumn, given: ArrayLike) -> np.ndarray:
+def _numbers(place: str, column: InputColumn, entries: ArrayLike) -> np.ndarray:
     """Return values of a quantity, checked, in the unit of its column."""
-    values = np.asarray(real_numbers(place, given), float)
+    values = np.asarray(real_numbers(place, entries), float)
     if values.ndim != 1 or values.size == 0:
         raise InputError(
             f"{place} must be a list of at least one number, but has shape "
@@ -337,12 +339,12 @@ def read_sweep_study(path: Path) -> SweepStudy:
     base, accuracy = scene_from(path, content, (AXES_KEY,))
     if AXES_KEY not in content:
         raise top[AXES_KEY].error("is needed: which quantities vary, and over what")
-    given = _with_shapes(top[AXES_KEY], typed(top, content, AXES_KEY, dict))
+    tables = _with_shapes(top[AXES_KEY], typed(top, content, AXES_KEY, dict))
     with top.located():
-        columns = columns_of_axes(given, base)
+        columns = columns_of_axes(tables, base)
     axes = {
         name: _axis(top[AXES_KEY][name], name, value, columns)
-        for name, value in given.items()
+        for name, value in tables.items()
     }
     with top.located():
         check_axes(axes, base, in_memory=False)  # which a store need not fit into
@@ -351,17 +353,17 @@ def read_sweep_study(path: Path) -> SweepStudy:
 
 def _with_shapes(key: Key, axes: dict) -> dict:
     """Return the axes with classes in place of the names of shapes."""
-    found = {}
+    changed = {}
     for name, value in axes.items():
         where = key[name]
         if name == SHAPE and isinstance(value, list):
             texts = [of_kind(where, text, str) for text in value]
             with where.located():
-                found[name] = [shape_named(x, key.file.parent) for x in texts]
+                changed[name] = [shape_named(x, key.file.parent) for x in texts]
         else:
             inner = isinstance(value, dict)
-            found[name] = _with_shapes(where, value) if inner else value
-    return found
+            changed[name] = _with_shapes(where, value) if inner else value
+    return changed
 
 
 def _axis(key: Key, name: str, value, columns):

@@ -200,13 +200,13 @@ def _stdout_problem() -> str | None:
 @contextlib.contextmanager
 def _warnings_in_one_line():
     """Warnings are a line on stderr each, of unusual values one for each quantity."""
-    told = set()
+    warned = set()
 
     def show(message, category, filename, lineno, file=None, line=None):
         quantity = getattr(message, "quantity", None)
-        if issubclass(category, UnusualValueWarning) and quantity in told:
+        if issubclass(category, UnusualValueWarning) and quantity in warned:
             return
-        told.add(quantity)
+        warned.add(quantity)
         say(f"warning: {message}")
 
     with warnings.catch_warnings():

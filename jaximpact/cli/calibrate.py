@@ -214,10 +214,10 @@ def _run_slope(arguments: argparse.Namespace) -> None:
         options.engine_of(arguments) as executor,
         ProgressLines() as progress,
     ):
-        found = calibrate_slope(
+        result = calibrate_slope(
             arguments.study, arguments.out, executor=executor, progress=progress
         )
-    print(report(found).text(), end="")
+    print(report(result).text(), end="")
     say(f"{time.monotonic() - begin:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
 
@@ -236,7 +236,7 @@ def run_predict(arguments: argparse.Namespace) -> None:
         )
     with files:
         with ProgressLines() as progress:
-            found = predict(arguments.result, arguments.tests, progress=progress)
+            prediction = predict(arguments.result, arguments.tests, progress=progress)
         if out is not None:
-            found.write(out)
-    print(found, end="")
+            prediction.write(out)
+    print(prediction, end="")

@@ -207,8 +207,8 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
             stack.callback(remove, scratch)
             stack.enter_context(dask.config.set({setting: str(scratch)}))
             # Python's process that removes semaphores tells of it after Ctrl-C.
-            told = os.environ.get("PYTHONWARNINGS"), "ignore:resource_tracker"
-            os.environ["PYTHONWARNINGS"] = ",".join(filter(None, told))
+            filters = os.environ.get("PYTHONWARNINGS"), "ignore:resource_tracker"
+            os.environ["PYTHONWARNINGS"] = ",".join(filter(None, filters))
             try:
                 address = stack.enter_context(
                     distributed.LocalCluster(

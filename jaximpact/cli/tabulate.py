@@ -71,8 +71,8 @@ def run(arguments: argparse.Namespace) -> None:
     from ..lookup import tabulate, write_csv, write_table
     from ..lookup.table_study import read_table_study
 
-    given = ((f"--{name}", getattr(arguments, name)) for name in OUTPUTS)
-    outputs = {option: path for option, path in given if path is not None}
+    paths = ((f"--{name}", getattr(arguments, name)) for name in OUTPUTS)
+    outputs = {option: path for option, path in paths if path is not None}
     if not outputs:
         raise InputError("--out or --csv is needed")
     study = read_table_study(arguments.study, arguments.accuracy)

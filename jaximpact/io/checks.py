@@ -188,7 +188,7 @@ def _check_field(
     ends = (values,) if values.ndim == 0 else (np.min(values), np.max(values))
     low, high = float(ends[0]) / column.factor, float(ends[-1]) / column.factor
 
-    def told(bad: np.ndarray) -> str:
+    def describe_first(bad: np.ndarray) -> str:
         """Name the first of the bad values, with its index."""
         index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
         where = f" ({of} {index}" + (f" and {more} more)" if more else ")")
@@ -197,9 +197,11 @@ def _check_field(
 
     if not (column.holds(low) and column.holds(high)):
         bad = ~column.is_allowed(values / column.factor)
-        raise InputError(f"{name} must be {column.requirement}, but is {told(bad)}")
+        raise InputError(
+            f"{name} must be {column.requirement}, but is {describe_first(bad)}"
+        )
     if warn and not (column.is_usual(low) and column.is_usual(high)):
-        text = f"{name} is {told(column.is_unusual(values / column.factor))}"
+        text = f"{name} is {describe_first(column.is_unusual(values / column.factor))}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)
 
 

@@ -61,11 +61,11 @@ class Input(NamedTuple):
 def inputs_of(scene: Scene, shape: tuple[int, ...]) -> dict[str, Input]:
     """Return every quantity of scenes whose fields broadcast to a shape, by its
     column."""
-    found = {}
+    inputs = {}
     for name, column in columns_of(scene).items():
         values = np.broadcast_to(value_of(scene, column), shape)
-        found[name] = Input(column, values, varying_axes(values))
-    return found
+        inputs[name] = Input(column, values, varying_axes(values))
+    return inputs
 
 
 def varying_axes(values: np.ndarray) -> tuple[int, ...]:
@@ -213,8 +213,8 @@ def impact_attributes(
     base: Scene, accuracy: Accuracy, values: Mapping
 ) -> dict[str, Any]:
     """Title and provenance of a dataset of impacts."""
-    told = provenance(base, accuracy, values)
-    return {"title": "jaximpact: impacts of rock blocks on deformable ground", **told}
+    title = "jaximpact: impacts of rock blocks on deformable ground"
+    return {"title": title, **provenance(base, accuracy, values)}
 
 
 def shapes_attribute(kinds: Iterable[type[AbstractShape]]) -> dict[str, str]:
@@ -301,9 +301,9 @@ def _check_dimensions(dimensions: Sequence[str], shape: tuple[int, ...]) -> None
             f"dims must be {len(shape)} different names, one for each axis of the "
             f"shape {shape}, but is {dimensions!r}"
         )
-    taken = {*OUTPUT_COLUMNS, *ENERGY_COLUMNS, OUTCOME_COLUMN}
+    results = {*OUTPUT_COLUMNS, *ENERGY_COLUMNS, OUTCOME_COLUMN}
     for name in dimensions:
-        if name in taken:
+        if name in results:
             raise InputError(
                 f"{name} cannot be the name of a dimension, as it is that of a result"
             )

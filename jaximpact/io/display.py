@@ -109,7 +109,9 @@ def _many(
 
 
 def _varying(scene: Scene, shape: tuple[int, ...]) -> list[str]:
-    names = [name for name, found in inputs_of(scene, shape).items() if found.axes]
+    names = [
+        name for name, quantity in inputs_of(scene, shape).items() if quantity.axes
+    ]
     kinds = kind_of_each(scene, shape)
     return names if kinds is None or not varying_axes(kinds) else [SHAPE, *names]
 

@@ -101,13 +101,13 @@ def check_text(path: Path, data: bytes) -> None:
     # To delete them takes a third of the time that it takes to search for them.
     if len(data.translate(None, CONTROL_BYTES)) == len(data):
         return
-    found = re.search(b"[" + re.escape(CONTROL_BYTES) + b"]", data)
-    assert found is not None
-    what = "a null byte" if found[0] == bytes(1) else found[0]
+    control = re.search(b"[" + re.escape(CONTROL_BYTES) + b"]", data)
+    assert control is not None
+    what = "a null byte" if control[0] == bytes(1) else control[0]
     raise InputError(
         f"holds {what}; is it a CSV?",
         file=path,
-        row=data.count(b"\n", 0, found.start()) + 1,
+        row=data.count(b"\n", 0, control.start()) + 1,
     )
 
 

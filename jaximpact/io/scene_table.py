@@ -271,7 +271,7 @@ def _check_lengths(path: Path, lines, cells_of_rows, count: int) -> None:
 def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) -> Scene:
     """Return the scene with the laws and the shapes that the rows name."""
     slots = [(index, name) for index, name in enumerate(names) if name in SLOTS]
-    found: dict[tuple[str, str], Part] = {}
+    parts: dict[tuple[str, str], Part] = {}
     laws: dict[str, str] = {}
     kinds = []
     for line, _, cells in itertools.islice(records_of(path, data), 1, None):
@@ -282,15 +282,15 @@ def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) ->
             with located(file=path, row=line, column=slot):
                 if not text:
                     raise InputError("is empty, but a name is needed")
-                if key not in found:
-                    found[key] = part_named(slot, text, path.parent)
+                if key not in parts:
+                    parts[key] = part_named(slot, text, path.parent)
                 if slot != SHAPE and laws.setdefault(slot, text) != text:
                     raise InputError(
                         f"must be the same law in all rows, but is {text} after "
                         f"{laws[slot]}; split the table"
                     )
             if slot == SHAPE:
-                kinds.append(type(found[key]))
+                kinds.append(type(parts[key]))
     with located(file=path):
         base = with_parts(base, laws, path.parent)
         base = with_shapes(base, kinds) if kinds else base

@@ -90,8 +90,8 @@ def parse_toml(path: Path, data: bytes) -> dict:
         raise file.error(TOO_DEEP) from None
     except ValueError:
         # More digits than Python reads.
-        found = DIGITS.search(text)
-        row = text.count("\n", 0, found.start()) + 1 if found else None
+        digits = DIGITS.search(text)
+        row = text.count("\n", 0, digits.start()) + 1 if digits else None
         raise InputError(TOO_LARGE, file=path, row=row) from None
     _check_value(file, content)
     return content
@@ -236,8 +236,8 @@ def quantity(key: Key, column: InputColumn, value) -> float:
     of one that is unusual."""
     checked = allowed(key, column, value)
     if not column.is_usual(checked):
-        told = column.describe(checked, column.unit)
-        text = f"{key.file}, key {key.name}: is {told}"
+        description = column.describe(checked, column.unit)
+        text = f"{key.file}, key {key.name}: is {description}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
     return checked
 
@@ -251,13 +251,13 @@ def with_named_parts(key: Key, table: Mapping, whole: Composite) -> Composite:
 
     Raises InputError, naming file and key, for a name that cannot be used.
     """
-    found = {
+    parts = {
         slot: _named_part(key[slot], slot, table[slot])
         for slot in parts_of(type(whole))
         if slot in table
     }
     with key.located():
-        return replaced_parts(whole, found)
+        return replaced_parts(whole, parts)
 
 
 def _named_part(key: Key, slot: str, name) -> Part:
@@ -329,14 +329,14 @@ def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> Scene
 
 def _with_parts(top: Key, names: Found) -> Scene:
     """Return the usual scene with the laws and the shape that a file names, by slot."""
-    found: dict[str, dict[str, Part]] = {part: {} for part in PARTS}
+    parts: dict[str, dict[str, Part]] = {part: {} for part in PARTS}
     for slot, (table, name) in names.items():
         _check_table(top[slot], table, SLOTS[slot])
-        found[SLOTS[slot]][slot] = _named_part(top[slot], slot, name)
+        parts[SLOTS[slot]][slot] = _named_part(top[slot], slot, name)
     usual = Scene()
     with top.located():
         scene = Scene(
-            *(replaced_parts(getattr(usual, p), slots) for p, slots in found.items())
+            *(replaced_parts(getattr(usual, p), slots) for p, slots in parts.items())
         )
         columns_of(scene)  # which are two of one name where laws do not fit together
         return scene

@@ -204,12 +204,12 @@ def _quantities(
     """Return the quantities of a dataset, and the shapes that its index of shapes
     means."""
     kinds: tuple[type[AbstractShape], ...] = ()
-    found: dict[str, xr.Variable] = {}
+    quantities: dict[str, xr.Variable] = {}
     if SHAPE in dataset.variables:
-        given = dataset.variables[SHAPE]
-        names, index = np.unique(np.asarray(given.values, str), return_inverse=True)
+        shapes = dataset.variables[SHAPE]
+        names, index = np.unique(np.asarray(shapes.values, str), return_inverse=True)
         kinds = tuple(shape_named(str(name)) for name in names)
-        found[SHAPE] = xr.Variable(given.dims, index.reshape(given.shape))
+        quantities[SHAPE] = xr.Variable(shapes.dims, index.reshape(shapes.shape))
         base = with_shapes(base, kinds)
     columns = columns_of(base)
     for name, variable in dataset.variables.items():
@@ -222,15 +222,15 @@ def _quantities(
                 raise InputError(
                     f"{name} must hold numbers, but holds {variable.dtype}"
                 )
-            found[str(name)] = variable.to_base_variable()
+            quantities[str(name)] = variable.to_base_variable()
         elif name not in (SHAPE, *LABEL_COLUMNS) and name not in dataset.coords:
             raise InputError(f"{name} is unknown; {why_unknown(str(name), columns)}")
-    if not found:
+    if not quantities:
         raise InputError(
             "the dataset holds no quantity of a scene; name one as the tables do, such "
             "as angle_deg"
         )
-    return found, kinds
+    return quantities, kinds
 
 
 def _result_variables(

@@ -127,15 +127,15 @@ def measure_error(
             random ones.
         accuracy: of the model; by default that of the table.
     """
-    given = isinstance(impacts, Impact)
-    sample = impacts if given else random_impacts(table, impacts)
+    are_impacts = isinstance(impacts, Impact)
+    sample = impacts if are_impacts else random_impacts(table, impacts)
     computed = compute(table.block, table.soil, sample, accuracy or table.accuracy)
     entry = look_up_many(table, sample)
     sample = jax.tree.map(np.asarray, sample)
     radius = float(table.block.semi_axes.minor)
     before = relative_velocities(sample, radius, _velocities_before(sample))
     model = relative_velocities(sample, radius, computed.response[:3])
-    found = relative_velocities(sample, radius, entry[:3])
+    looked_up = relative_velocities(sample, radius, entry[:3])
     # Twice the kinetic energy per mass.
     inertia = float(table.block.shape.unit_inertia)
     shares = np.array([1.0, 1.0, inertia])
@@ -143,12 +143,12 @@ def measure_error(
     def energy(velocities):
         return float(np.mean(shares @ velocities**2 / (shares @ before**2)))
 
-    good = (computed.outcome != Outcome.failed) & np.all(np.isfinite(found), axis=0)
-    model, found = model[:, good], found[:, good]
+    good = (computed.outcome != Outcome.failed) & np.all(np.isfinite(looked_up), axis=0)
+    model, looked_up = model[:, good], looked_up[:, good]
     before = before[:, good]
-    error = np.max(np.abs(found - model), axis=0)
+    error = np.max(np.abs(looked_up - model), axis=0)
     median, of_90_percent, of_99_percent = np.quantile(error, [0.5, 0.9, 0.99]).tolist()
-    normal, tangential, rotation = np.mean(found - model, axis=1).tolist()
+    normal, tangential, rotation = np.mean(looked_up - model, axis=1).tolist()
     return TableError(
         median=median,
         of_90_percent=of_90_percent,
@@ -156,7 +156,7 @@ def measure_error(
         bias_normal=normal,
         bias_tangential=tangential,
         bias_rotation=rotation,
-        energy=energy(found),
+        energy=energy(looked_up),
         energy_of_model=energy(model),
         wrong_outcomes=float(
             np.mean(np.asarray(entry.outcome)[good] != computed.outcome[good])

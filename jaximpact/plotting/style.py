@@ -200,11 +200,11 @@ def legend_outside(
         how: further arguments of `Figure.legend`, such as title or ncols.
     """
     if handles is None:
-        found = {}
+        by_label = {}
         for panel in figure.axes:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-                found.setdefault(label, handle)
-        handles = list(found.values())
+                by_label.setdefault(label, handle)
+        handles = list(by_label.values())
     if handles:
         columns = 1 if place.startswith("right") else min(len(handles), 6)
         how = {"ncols": columns, "columnspacing": 1.2, **how}

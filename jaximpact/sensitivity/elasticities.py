@@ -154,12 +154,15 @@ def elasticities(
     impacts = count * len(inputs) * (1 + POINTS * bool(check))
     counter = _Counter(as_progress(progress), impacts)
     numbers, slopes = derivatives(scenes, inputs, setting, counter)
-    found = [
+    of_parameters = [
         _one_parameter(scenes, c, results, setting, check, counter, numbers, by)
         for c, by in zip(inputs, slopes, strict=True)
     ]
     counter.end()
-    values = {name: np.stack([one[name] for one in found], axis=1) for name in found[0]}
+    values = {
+        name: np.stack([one[name] for one in of_parameters], axis=1)
+        for name in of_parameters[0]
+    }
     values |= {
         "parameter_value": np.stack([value_of(scenes, c) for c in inputs], axis=1),
         "output_value": _outputs(numbers, results),
@@ -311,11 +314,11 @@ def _one_parameter(
     elasticity = np.where(
         defined, parameter * derivative / np.where(defined, values, 1.0), np.nan
     )
-    found = {"elasticity": elasticity, "derivative": derivative, "state": state}
+    variables = {"elasticity": elasticity, "derivative": derivative, "state": state}
     if check:
         size = np.where(zero, sizes, np.abs(values))
-        return found | _check(scene, column, results, derivative, size, counter)
-    return found | {
+        return variables | _check(scene, column, results, derivative, size, counter)
+    return variables | {
         "derivative_by_differences": np.full_like(values, np.nan),
         "disagreement": np.full_like(values, np.nan),
         "check": np.full(values.shape, Check.unchecked, np.int8),
@@ -352,12 +355,12 @@ def _check(scene, column, results, derivative, size, counter) -> dict[str, np.nd
 
 
 def _judge(
-    found: Differences, derivative, size, parameter_size
+    differences: Differences, derivative, size, parameter_size
 ) -> dict[str, np.ndarray]:
     """Compare, as a fraction of the larger of output and relative derivative."""
     larger = np.maximum(size, np.abs(derivative) * parameter_size)
-    disagreement = np.abs(found.slope - derivative) * parameter_size / larger
-    rough = found.roughness * parameter_size / larger
+    disagreement = np.abs(differences.slope - derivative) * parameter_size / larger
+    rough = differences.roughness * parameter_size / larger
     verdicts = {
         Check.unchecked: np.isnan(disagreement),
         Check.agrees: disagreement <= AGREES_WITHIN,
@@ -365,7 +368,7 @@ def _judge(
     }
     check = np.select([*verdicts.values()], [*verdicts], Check.differs)
     return {
-        "derivative_by_differences": found.slope,
+        "derivative_by_differences": differences.slope,
         "disagreement": disagreement,
         "check": check.astype(np.int8),
     }

@@ -306,14 +306,14 @@ def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, A
     if groups["reason"]:
         indices = dict.fromkeys(_INDICES, np.full(parameters, np.nan))
         return indices | groups | dict.fromkeys(_TOTALS, np.nan)
-    found = salib.analyze(
+    analysis = salib.analyze(
         problem_of(map(str, range(parameters))),
         whole.ravel(),
         calc_second_order=False,
         seed=seed + 1,  # SALib takes 0 for none
         **BOOTSTRAP,
     )
-    indices = {name: found[of_salib] for name, of_salib in _INDICES.items()}
+    indices = {name: analysis[of_salib] for name, of_salib in _INDICES.items()}
     ends = whole[:, [0, -1]]
     return indices | groups | {"mean": ends.mean(), "standard_deviation": ends.std()}
 
@@ -362,7 +362,7 @@ def morris_of(
     whole, groups = _complete_groups(values)
     if groups["reason"]:
         return dict.fromkeys(_EFFECTS, np.full(parameters, np.nan)) | groups
-    found = salib.analyze(
+    analysis = salib.analyze(
         problem_of(map(str, range(parameters))),
         fractions[np.isfinite(values).all(axis=1)].reshape(-1, parameters),
         whole.ravel(),
@@ -371,7 +371,7 @@ def morris_of(
         **BOOTSTRAP,
     )
     effects = {
-        name: np.asarray(found[of_salib], float)
+        name: np.asarray(analysis[of_salib], float)
         for name, (of_salib, _) in _EFFECTS.items()
     }
     return effects | groups

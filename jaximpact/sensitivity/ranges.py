@@ -26,13 +26,13 @@ WATCHED = {name: c for name, c in OUTPUT_COLUMNS.items() if name != "steps"}
 def default_parameters(scene: Scene) -> tuple[str, ...]:
     """Return those of c_v, gamma_v and k_E that the scene's laws have."""
     columns = columns_of(scene)
-    found = tuple(name for name in USUAL_PARAMETERS if name in columns)
-    if not found:
+    names = tuple(name for name in USUAL_PARAMETERS if name in columns)
+    if not names:
         raise InputError(
             f"parameters must be named, as the scene's laws have none of "
             f"{', '.join(USUAL_PARAMETERS)}"
         )
-    return found
+    return names
 
 
 def parameter_columns(scene: Scene, names: Iterable[str]) -> tuple[InputColumn, ...]:
@@ -98,18 +98,18 @@ def check_ranges(
     expect("ranges", ranges, Mapping)
     checked = {}
     for column in parameter_columns(scene, ranges):
-        given = ranges[column.name]
-        if not isinstance(given, Range):
+        interval = ranges[column.name]
+        if not isinstance(interval, Range):
             try:
-                lower, upper = given
+                lower, upper = interval
             except (TypeError, ValueError):
                 raise InputError(
                     f"the range of {column.name} must be Range(lower, upper) or a pair "
-                    f"of numbers, but is {given!r}"
+                    f"of numbers, but is {interval!r}"
                 ) from None
-            given = Range(lower, upper)
-        check_range(column, given)
-        checked[column.name] = given
+            interval = Range(lower, upper)
+        check_range(column, interval)
+        checked[column.name] = interval
     if len(checked) < 2:
         raise InputError(
             "at least two parameters must vary together, but there is only "
@@ -118,23 +118,23 @@ def check_ranges(
     return checked
 
 
-def check_range(column: InputColumn, given: Range) -> None:
+def check_range(column: InputColumn, interval: Range) -> None:
     """Raise InputError unless a range suits a column."""
     name = column.name
-    check_choice(f"the distribution of {name}", given.distribution, DISTRIBUTIONS)
+    check_choice(f"the distribution of {name}", interval.distribution, DISTRIBUTIONS)
     for name_of_end in ("lower", "upper"):
-        end = real_number(f"{name_of_end} of {name}", getattr(given, name_of_end))
+        end = real_number(f"{name_of_end} of {name}", getattr(interval, name_of_end))
         if not column.is_allowed(end):
             raise InputError(
                 f"{name} must be {column.requirement}, but ranges to {end:g}"
             )
-    if not given.lower < given.upper:
+    if not interval.lower < interval.upper:
         raise InputError(
-            f"the range of {name} must run upwards, but runs from {given.lower:g} to "
-            f"{given.upper:g}"
+            f"the range of {name} must run upwards, but runs from "
+            f"{interval.lower:g} to {interval.upper:g}"
         )
-    if given.distribution == LOG_UNIFORM and not given.lower > 0.0:
+    if interval.distribution == LOG_UNIFORM and not interval.lower > 0.0:
         raise InputError(
             f"the range of {name} must begin above 0 to be {LOG_UNIFORM}, but begins "
-            f"at {given.lower:g}"
+            f"at {interval.lower:g}"
         )

@@ -94,13 +94,14 @@ def test_the_command_makes_the_table(made):
 def test_the_slope_uses_the_table(here, made):
     (here / "table.nc").write_bytes((made / "table.nc").read_bytes())
     study = read_slope_study(here / "slope.toml")
-    assert isinstance(study.contacts, Tabulated)
-    assert study.law["law"] == "table"
-    assert len(study.checksums["table.nc"]) == 64
+    assert isinstance(study.law.contacts, Tabulated)
+    assert study.law.description["law"] == "table"
+    assert len(study.inputs.checksums_by_name["table.nc"]) == 64
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     dataset = read_netcdf(here / "out" / "blocks.nc")
     assert set(dataset.ending.values) == {"stopped"}
-    by_hand = study._replace(contacts=Tabulated(read_table(made / "table.nc")))
+    contacts = Tabulated(read_table(made / "table.nc"))
+    by_hand = study._replace(law=study.law._replace(contacts=contacts))
     xr.testing.assert_equal(dataset, run_slope_study(by_hand))
 
 
@@ -146,6 +147,7 @@ def test_a_table_goes_on(here, made, capsys, monkeypatch):
         if len(kept) == len(places):
             raise KeyboardInterrupt
 
+    monkeypatch.setattr("jaximpact.backend.rows.LANES_AT_ONCE", 100)
     monkeypatch.setattr(Journal, "append", interrupted)
     assert main(["tabulate", "table.toml", "--out", "table.nc"]) == 130
     assert_one_line_error(capsys, "the same command goes on from here")

@@ -19,6 +19,7 @@ from jaximpact.laws import (
     Forces,
     Load,
     NovaMontrasio,
+    Stiffness,
     Vesic,
     flow_direction,
     overstress,
@@ -155,6 +156,13 @@ def test_laws_are_finite_with_their_gradients_at_singular_points(name):
     for point in points:
         slopes = jax.jacfwd(law, argnums=tuple(range(len(point))))(*point)
         assert all_finite((law(*point), slopes))
+
+
+def test_dashpots_against_plain_numbers():
+    soil = Soil(eta_N=0.1, eta_T=0.2, eta_R=0.3)
+    found = soil.damping(Stiffness(4e6, 1e6, 9e4), 100.0, 4.0)
+    expected = (0.2 * math.sqrt(4e8), 0.4 * math.sqrt(1e8), 0.6 * math.sqrt(36e4))
+    np.testing.assert_allclose(found, expected, rtol=ROUNDING)
 
 
 # Bearing capacity
