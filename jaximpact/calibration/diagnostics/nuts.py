@@ -20,6 +20,7 @@ Needs the extra `jaximpact[bayes]`.
 import importlib.util
 import time
 import warnings
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import jax
@@ -35,7 +36,6 @@ from ...quantities import TARGET_COLUMNS, columns_of
 from ..problem.bounds import Bounds
 from ..problem.forward_model import XLA
 from ..problem.noise import losses
-from ..problem.objective import Objective
 from .importance_sampling import CHECKED, draw, error_of_costs
 from .posterior import Chains, Draws, moments
 from .results import VariantResult
@@ -94,9 +94,23 @@ def sample_posterior(
     at_best = fitted.objective, fitted.points, inflation
     draws = draws or draw(*at_best, seed=seed, progress=progress)
     objective = fitted.objective.at(draws.accuracy)
+    bounds = objective.bounds
+
+    def log_density(y: jax.Array) -> jax.Array:
+        # The logarithm of dx/dy, up to a constant.
+        slope = jax.nn.log_sigmoid(y) + jax.nn.log_sigmoid(-y)
+        return jnp.sum(slope) - objective.cost(_unknowns(bounds, y)) / inflation
+
+    y = logit(np.clip(bounds.fraction(draws.x), EDGE, 1.0 - EDGE))
+    chosen = np.random.default_rng(seed).choice(len(y), chains, p=draws.weights)
     position, statistics = _run_chains(
-        *(objective, inflation, draws, chains, warmup, count, seed),
-        progress.within("sampling: "),
+        log_density,
+        y[chosen],
+        moments(y, draws.weights)[1],
+        warmup=warmup,
+        count=count,
+        seed=seed,
+        progress=progress.within("sampling: "),
     )
     unknowns = _unknowns(objective.bounds, position)
     arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
@@ -127,29 +141,21 @@ def _unknowns(bounds: Bounds, y):
 
 
 def _run_chains(
-    objective: Objective,
-    inflation: float,
-    draws: Draws,
-    chains: int,
+    log_density: Callable[[jax.Array], jax.Array],
+    start: np.ndarray,
+    mass: np.ndarray,
+    *,
     warmup: int,
     count: int,
     seed: int,
     progress: Progress,
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Adapt and run the chains; positions in y, shape (chains, draws, unknowns), and
-    the statistics of `Chains`."""
+    """Adapt and run chains from points, shape (chains, unknowns), with a first inverse
+    mass matrix: positions, shape (chains, draws, unknowns), and the statistics of
+    `Chains`."""
     import blackjax  # pyright: ignore[reportMissingImports]
 
-    bounds = objective.bounds
-
-    def log_density(y):
-        # The logarithm of dx/dy, up to a constant.
-        slope = jax.nn.log_sigmoid(y) + jax.nn.log_sigmoid(-y)
-        return jnp.sum(slope) - objective.cost(_unknowns(bounds, y)) / inflation
-
-    y = logit(np.clip(bounds.fraction(draws.x), EDGE, 1.0 - EDGE))
-    chosen = np.random.default_rng(seed).choice(len(draws.x), chains, p=draws.weights)
-    mass = moments(y, draws.weights)[1]
+    chains = len(start)
     mass = mass + 1e-9 * np.trace(mass) * np.eye(len(mass))
     key_warmup, key = jax.random.split(jax.random.key(seed))
     # Their types are made at run time, where pyright does not see them.
@@ -180,7 +186,7 @@ def _run_chains(
         )
 
     progress(f"warm-up of {warmup} draws")
-    state, *found = warm(jax.random.split(key_warmup, chains), jnp.asarray(y[chosen]))
+    state, *found = warm(jax.random.split(key_warmup, chains), jnp.asarray(start))
     rows = []
     for number in range(count):
         progress(f"draw {number + 1} of {count}")

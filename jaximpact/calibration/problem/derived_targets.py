@@ -19,8 +19,6 @@ from ...units import DEGREE
 IMPULSES = ("normal_impulse_Ns", "tangential_impulse_Ns")
 REBOUND_ANGLE = "rebound_angle_deg"
 ENERGY_RATIO = "translational_ratio"
-DERIVED = (ENERGY_RATIO, REBOUND_ANGLE, *IMPULSES)
-"""Targets that are computed from the velocities."""
 
 
 def derived(name: str, scene: Scene, v_n: Array, v_t: Array) -> Array:

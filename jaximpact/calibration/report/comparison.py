@@ -23,10 +23,10 @@ RULE = (
 
 def verdict(compared: Compared) -> list[str]:
     """Say which law to use, first by single tests, then by groups."""
-    found = compared.ranking()
+    ranking = compared.ranking()
     worse = (worse_than_others(compared, one) for one in compared.study.variants)
-    lines = [" ".join([_in_words(compared, found), *itertools.chain(*worse)])]
-    lines += [_by_group(compared, scores, found) for scores in compared.by_group]
+    lines = [" ".join([_in_words(compared, ranking), *itertools.chain(*worse)])]
+    lines += [_by_group(compared, scores, ranking) for scores in compared.by_group]
     weights = [
         f"{law.name} {weight:.2f}"
         for law, weight in zip(compared.laws, compared.weights, strict=True)
@@ -36,10 +36,10 @@ def verdict(compared: Compared) -> list[str]:
     return lines
 
 
-def _in_words(compared: Compared, found: Ranking) -> str:
+def _in_words(compared: Compared, ranking: Ranking) -> str:
     names = [law.name for law in compared.laws]
     counts = [law.count for law in compared.laws]
-    best, preferred = names[found.best], found.preferred
+    best, preferred = names[ranking.best], ranking.preferred
     if len(names) == 1:
         return f"{best} was compared with no other law."
     units = len(compared.by_test.groups)
@@ -48,11 +48,11 @@ def _in_words(compared: Compared, found: Ranking) -> str:
             f"{units} of the {FEWEST_UNITS} tests that are needed to tell which law "
             "predicts best: none is preferred."
         )
-    others = [names[i] for i in found.ties if i != found.best]
+    others = [names[i] for i in ranking.ties if i != ranking.best]
     if not others:
         return f"{best} predicts a test that it has not seen better than all others."
     text = f"A tie: {listed([best, *others])} predict equally well."
-    if preferred == found.best:
+    if preferred == ranking.best:
         return (
             f"{text} Prefer {best}: no law of the tie has fewer fitted parameters "
             f"({counts[preferred]})."
@@ -60,37 +60,38 @@ def _in_words(compared: Compared, found: Ranking) -> str:
     return (
         f"{text} Prefer {names[preferred]}, the simplest of them: "
         f"{counts[preferred]} fitted parameter{'s' * (counts[preferred] > 1)} against "
-        f"{counts[found.best]} of {best}."
+        f"{counts[ranking.best]} of {best}."
     )
 
 
 def worse_than_others(compared: Compared, variant: Variant) -> list[str]:
     """Warn that another law predicts better than a variant of the study."""
-    found, names = compared.ranking(), [law.name for law in compared.laws]
+    ranking, names = compared.ranking(), [law.name for law in compared.laws]
     return [
-        f"The {law.name} predicts worse: its score is {_difference(found, place)} less "
-        f"than that of {names[found.best]}. Predict with {names[found.preferred]}."
+        f"The {law.name} predicts worse: its score is {_difference(ranking, place)} "
+        f"less than that of {names[ranking.best]}. Predict with "
+        f"{names[ranking.preferred]}."
         for place, law in enumerate(compared.laws)
-        if law.contender.law is variant and place not in found.ties
+        if law.contender.law is variant and place not in ranking.ties
     ]
 
 
 def _by_group(compared: Compared, scores: GroupScores, whole: Ranking) -> str:
-    found = compared.ranking(scores)
+    ranking = compared.ranking(scores)
     names = [law.name for law in compared.laws]
     text = f"By {scores.by} ({len(scores.groups)} groups left out one by one): "
-    text += f"{names[found.best]} predicts best"
+    text += f"{names[ranking.best]} predicts best"
     if len(scores.groups) < FEWEST_UNITS:
         text += (
             f"; with fewer than {FEWEST_UNITS} groups the differences have no standard "
             "error"
         )
-    elif len(found.ties) > 1:
-        others = [names[i] for i in found.ties if i != found.best]
+    elif len(ranking.ties) > 1:
+        others = [names[i] for i in ranking.ties if i != ranking.best]
         text += f", in a tie with {listed(others)}"
     else:
         text += ", better than all others"
-    if whole.preferred not in found.ties:
+    if whole.preferred not in ranking.ties:
         text += (
             f". {names[whole.preferred]}, preferred by single tests, predicts a new "
             f"{scores.by} worse"
@@ -139,14 +140,14 @@ def comparison_picture(compared: Compared) -> Picture:
 
 def _score_table(compared: Compared) -> Table:
     """Write the laws with their scores, the best first."""
-    found, targets = compared.ranking(), compared.study.targets
+    ranking, targets = compared.ranking(), compared.study.targets
     head = ("law", "parameters", "score", "less than the best", "weight")
     rows = [
         (
-            _marked(law.name, found, place),
+            _marked(law.name, ranking, place),
             law.count,
             f"{compared.by_test.totals[place]:.1f}",
-            _difference(found, place),
+            _difference(ranking, place),
             f"{compared.weights[place]:.2f}",
             *law.rms_left_out,
         )
@@ -157,12 +158,12 @@ def _score_table(compared: Compared) -> Table:
 
 def _group_table(compared: Compared, scores: GroupScores) -> Table:
     """Write the scores of one way of leaving groups out."""
-    found = compared.ranking(scores)
+    ranking = compared.ranking(scores)
     rows = [
         (
-            _marked(compared.laws[place].name, found, place),
+            _marked(compared.laws[place].name, ranking, place),
             f"{scores.totals[place]:.1f}",
-            _difference(found, place),
+            _difference(ranking, place),
             scores.groups[int(np.argmin(scores.scores[:, place]))],
         )
         for place in np.argsort(-scores.totals, kind="stable")
@@ -170,16 +171,16 @@ def _group_table(compared: Compared, scores: GroupScores) -> Table:
     return Table(("law", "score", "less than the best", "worst predicted"), rows)
 
 
-def _marked(name: str, found: Ranking, place) -> str:
-    return f"{name} (tie)" if len(found.ties) > 1 and place in found.ties else name
+def _marked(name: str, ranking: Ranking, place) -> str:
+    return f"{name} (tie)" if len(ranking.ties) > 1 and place in ranking.ties else name
 
 
-def _difference(found: Ranking, place) -> str:
-    if place == found.best:
+def _difference(ranking: Ranking, place) -> str:
+    if place == ranking.best:
         return "0"
-    error = found.error[place]
+    error = ranking.error[place]
     more = f" ± {error:.1f}" if np.isfinite(error) else ""
-    return f"{-found.apart[place]:.1f}{more}"
+    return f"{-ranking.apart[place]:.1f}{more}"
 
 
 def _fitted_table(compared: Compared) -> Table:
@@ -201,19 +202,19 @@ def _fitted_table(compared: Compared) -> Table:
 
 def comparison_json(compared: Compared) -> dict:
     """Collect the numbers of a comparison."""
-    found = compared.ranking()
+    ranking = compared.ranking()
     return {
         "targets": compared.study.targets,
         "targets_left_out": compared.targets_left_out,
         "verdict": verdict(compared),
-        "preferred": compared.laws[found.preferred].name,
-        "ties": [compared.laws[place].name for place in found.ties],
+        "preferred": compared.laws[ranking.preferred].name,
+        "ties": [compared.laws[place].name for place in ranking.ties],
         "laws": [
             law.fitted.as_json()
             | {
                 "score": compared.by_test.totals[place],
-                "difference": found.apart[place],
-                "standard_error": found.error[place],
+                "difference": ranking.apart[place],
+                "standard_error": ranking.error[place],
                 "weight": compared.weights[place],
                 "rms": law.rms,
                 "rms_left_out": law.rms_left_out,

@@ -39,7 +39,7 @@ ONE_ROW = 1e-3
 
 def summary(result: StudyResult, examined: list[Examination]) -> Document:
     """Say what was found, in a few tables and sentences."""
-    parts: list[Part] = [*about_tests(result.study), _held(result.study)]
+    parts: list[Part] = [*about_tests(result.study), _fixed_quantities(result.study)]
     for variant, diagnostics in zip(result.variants, examined, strict=True):
         several = len(result.variants) > 1
         inner: list[Part] = [
@@ -132,7 +132,7 @@ def _about_sigma(study: Study) -> str:
     return words
 
 
-def _held(study: Study) -> str:
+def _fixed_quantities(study: Study) -> str:
     """Describe the fixed quantities that no table states."""
     columns = study.tests.known_columns
     fitted = {p.name for p in study.parameters} | {n.name for n in study.nuisances}
@@ -275,10 +275,10 @@ def _campaigns(study: Study, left: LeftOut, values: np.ndarray) -> Table:
 
 def starts_in_words(variant: VariantResult) -> str:
     """Say how many starts found the best fit."""
-    found, total = int(np.sum(variant.reached)), len(variant.start_costs)
+    reached, total = int(np.sum(variant.reached)), len(variant.start_costs)
     together = int(np.sum((variant.start_restarts > 0) & variant.reached))
     also = f"; {together} of them by a common search, since their own fits ended above"
-    return f"{found} of {total} starts found the best fit{also if together else ''}"
+    return f"{reached} of {total} starts found the best fit{also if together else ''}"
 
 
 def start_table(variant: VariantResult) -> Table:

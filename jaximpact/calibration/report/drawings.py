@@ -223,27 +223,27 @@ def draw_quantiles(residuals: Residuals) -> Figure:
 
 
 @in_style
-def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
+def draw_profile(variant: VariantResult, profile: LikelihoodProfile) -> Figure:
     """Draw the likelihood ratio where a parameter is fixed and, if it is identifiable,
     the parabola of its standard error."""
     # Which only reports need: it takes its time to import.
     from scipy.interpolate import PchipInterpolator
 
     figure, axes = _panel()
-    index = variant.names.index(found.name)
+    index = variant.names.index(profile.name)
     uncertainty = variant.uncertainty
     bounds = Bounds(*(part[index] for part in variant.bounds))
     most = max(MOST_RATIO, 1.5 * uncertainty.quantile**2)
-    low, high = _shown(found, most)
+    low, high = _shown(profile, most)
     # The signed root is nearly straight, so that its interpolation is smooth.
-    along = bounds.coordinate(found.values)
-    side = np.sign(np.arange(len(along)) - np.argmin(found.rise))
-    root = PchipInterpolator(along, side * np.sqrt(np.maximum(found.rise, 0.0)))
+    along = bounds.coordinate(profile.values)
+    side = np.sign(np.arange(len(along)) - np.argmin(profile.rise))
+    root = PchipInterpolator(along, side * np.sqrt(np.maximum(profile.rise, 0.0)))
     ends = bounds.coordinate([low, high])
     fine = np.linspace(ends[0], ends[1], 300)
     axes.plot(bounds.parameter(fine), root(fine) ** 2, color=BLUE)
     style: dict[str, Any] = dict(color=BLUE, marker="o", markersize=4, linestyle="none")
-    axes.plot(found.values, found.rise, label="others fitted again", **style)
+    axes.plot(profile.values, profile.rise, label="others fitted again", **style)
     if variant.verdicts[index].determined:
         reach = np.sqrt(most) * np.linspace(-1.0, 1.0, 61)
         x = variant.points.x[0, index] + reach * uncertainty.standard_errors[index]
@@ -257,22 +257,22 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
     _scale(axes, "x", low, high, variant.bounds.logarithmic[index])
     axes.set_xlim(low, high)
     axes.set_ylim(-0.02 * most, most)
-    axes.set_xlabel(label_of(found.name, columns_of(variant.objective.scene)))
+    axes.set_xlabel(label_of(profile.name, columns_of(variant.objective.scene)))
     axes.set_ylabel("likelihood ratio 2 ΔC / s² [-]")
     axes.legend(loc="upper center")
     return figure
 
 
-def _shown(found: LikelihoodProfile, most: float) -> tuple[float, float]:
+def _shown(profile: LikelihoodProfile, most: float) -> tuple[float, float]:
     """Choose the interval that is drawn: to where the likelihood ratio leaves the
     panel."""
-    inside = np.flatnonzero(found.rise <= most)
-    first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, len(found.values) - 1)
+    inside = np.flatnonzero(profile.rise <= most)
+    first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, len(profile.values) - 1)
     # A point far away, with none between, would draw a needle.
-    low, high = found.values[inside[0]], found.values[inside[-1]]
+    low, high = profile.values[inside[0]], profile.values[inside[-1]]
     reach = max(high - low, 1e-9 * abs(high))
-    low = max(found.values[first], low - 0.3 * reach)
-    return float(low), float(min(found.values[last], high + 0.3 * reach))
+    low = max(profile.values[first], low - 0.3 * reach)
+    return float(low), float(min(profile.values[last], high + 0.3 * reach))
 
 
 def _scale(axes: Axes, which: str, low: float, high: float, logarithmic: bool) -> None:
@@ -329,22 +329,22 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
 
 
 @in_style
-def draw_candidates(found: Suggestions) -> Figure:
+def draw_candidates(suggestions: Suggestions) -> Figure:
     """Draw the gain of the next test over the first quantity, a line for each value of
     the second; the best of the others and of the ways to measure."""
     figure, axes = _panel()
-    first, *others = found.candidates
-    best, along = np.max(found.volumes, axis=1), found.candidates[first]
-    lines = found.candidates[others[0]] if others else np.zeros(len(along))
+    first, *others = suggestions.candidates
+    best, along = np.max(suggestions.volumes, axis=1), suggestions.candidates[first]
+    lines = suggestions.candidates[others[0]] if others else np.zeros(len(along))
     for number, value in enumerate(np.unique(lines)):
         of_line = lines == value
         x = np.unique(along[of_line])
         y = [np.max(best[of_line & (along == at)]) for at in x]
         axes.plot(x, y, markersize=5, label=f"{value:g}", **points(number))
-    axes.set_xlabel(label_of(first, found.columns))
+    axes.set_xlabel(label_of(first, suggestions.columns))
     axes.set_ylabel("factor by which the\nmean error shrinks [-]")
     if others:
-        legend_outside(figure, title=label_of(others[0], found.columns))
+        legend_outside(figure, title=label_of(others[0], suggestions.columns))
     return figure
 
 
@@ -373,14 +373,14 @@ def draw_waterfall(variant: VariantResult) -> Figure:
 @in_style
 def draw_comparison(compared: Compared) -> Figure:
     """Draw the difference of each law to the best, with two standard errors."""
-    found = compared.ranking()
+    ranking = compared.ranking()
     count = len(compared.laws)
     figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
     places = np.arange(count)
-    apart, error = found.apart, np.nan_to_num(2.0 * found.error)
+    apart, error = ranking.apart, np.nan_to_num(2.0 * ranking.error)
     for place in places:
-        tied = place in found.ties
-        colour = VERMILION if place == found.preferred else BLUE if tied else GREY
+        tied = place in ranking.ties
+        colour = VERMILION if place == ranking.preferred else BLUE if tied else GREY
         axes.errorbar(
             apart[place], place, xerr=error[place], marker="o", color=colour, capsize=3
         )

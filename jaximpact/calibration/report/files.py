@@ -258,8 +258,8 @@ def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
         "posterior": None if samples is None else _samples(variant, samples),
         "left_out": {"test": diagnostics.each, "campaign": diagnostics.campaigns},
         "further_tests": {
-            what: {name: getattr(found, name) for name in SUGGESTED}
-            for what, found in suggested.items()
+            what: {name: getattr(suggestions, name) for name in SUGGESTED}
+            for what, suggestions in suggested.items()
         },
     }
 

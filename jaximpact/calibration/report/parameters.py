@@ -120,14 +120,14 @@ def correlation_table(variant: VariantResult) -> Table:
 def correlated_pairs(variant: VariantResult) -> Table:
     """Write the correlated pairs, the most correlated first."""
     names = [of_one.name for of_one in variant.verdicts]
-    found = [
+    pairs = [
         (f"{names[a]}, {names[b]}", float(variant.uncertainty.correlation[a, b]))
         for a, b in itertools.combinations(range(len(names)), 2)
     ]
-    found.sort(key=lambda pair: -abs(pair[1]))
+    pairs.sort(key=lambda pair: -abs(pair[1]))
     rows = [
         (pair, f"{value:+.3f}")
-        for pair, value in found
+        for pair, value in pairs
         if abs(value) >= LEAST_CORRELATION
     ]
     return Table(("parameters", "correlation"), rows)

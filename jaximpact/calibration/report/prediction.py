@@ -211,7 +211,7 @@ def simple_scores(
 ) -> dict[str, tuple[float, float]]:
     """Compute the root mean square error and the mean CRPS of each target that a
     simple law predicts and of which anything was measured."""
-    found = {}
+    of_targets = {}
     for place, name in enumerate(law.targets):
         target = prediction.targets.index(name)
         exact = prediction.censored[:, target] == 0
@@ -226,8 +226,8 @@ def simple_scores(
             distribution = law.distribution(int(test), place)
             assert distribution is not None  # its best value is finite
             scores.append(distribution.crps(float(value)))
-        found[name] = float(np.sqrt(np.mean(apart**2))), float(np.mean(scores))
-    return found
+        of_targets[name] = float(np.sqrt(np.mean(apart**2))), float(np.mean(scores))
+    return of_targets
 
 
 def _simple_laws(
@@ -252,17 +252,17 @@ def _simple_laws(
         *compared,
     ]
     rows = []
-    for name in dict.fromkeys(name for _, found in laws for name in found):
+    for name in dict.fromkeys(name for _, of_targets in laws for name in of_targets):
         for model, scores in models.items():
             one = scores.get(name)
             if one is not None and one.rms is not None and one.crps is not None:
                 rows.append((name, model or "model", one.rms, one.crps))
-        for law, found in laws:
-            if name in found:
-                rows.append((name, law, *found[name]))
+        for law, of_targets in laws:
+            if name in of_targets:
+                rows.append((name, law, *of_targets[name]))
     for model, scores in models.items():
-        for law, found in laws:
-            for name, (_, crps) in found.items():
+        for law, of_targets in laws:
+            for name, (_, crps) in of_targets.items():
                 by_model = scores[name].crps if name in scores else None
                 if by_model is not None and crps < by_model:
                     lines.append(

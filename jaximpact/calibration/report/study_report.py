@@ -183,15 +183,15 @@ def _parameters(
 def _residuals(
     result: StudyResult, variant: VariantResult, diagnostics: Examination
 ) -> list[Part]:
-    found = diagnostics.residuals
-    if not np.any(np.isfinite(found.values)):
+    studentised = diagnostics.residuals
+    if not np.any(np.isfinite(studentised.values)):
         return [
             "None: the fit passes through every measurement, whatever it is (leverage "
             "1)."
         ]
     pictures = [
         Picture(
-            partial(drawings.draw_residuals, result, variant, found, against),
+            partial(drawings.draw_residuals, result, variant, studentised, against),
             f"Residuals over {against}",
             f"Residuals over {against}; grey: two standard deviations.",
         )
@@ -199,7 +199,7 @@ def _residuals(
     ]
     pictures.append(
         Picture(
-            partial(drawings.draw_quantiles, found),
+            partial(drawings.draw_quantiles, studentised),
             "Q-Q plot of the residuals",
             "Q-Q plot: residuals on the line are normal with the sigmas used.",
         )
@@ -207,7 +207,7 @@ def _residuals(
     return [
         "Measured less fitted over the standard deviation, studentised: each over the "
         "root of 1 - leverage.",
-        residuals.in_words(found, variant.objective),
+        residuals.in_words(studentised, variant.objective),
         pictures,
     ]
 

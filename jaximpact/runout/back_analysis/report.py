@@ -27,7 +27,7 @@ BARRIER_FILE = "barriers.csv"
 PERCENTILE_KEYS = ("percent", "observed", "low", "median", "high")
 
 
-def write_report(found: SlopeCalibration, new: NewFile) -> None:
+def write_report(result: SlopeCalibration, new: NewFile) -> None:
     """Write the files, each whole or not at all.
 
     Args:
@@ -35,28 +35,28 @@ def write_report(found: SlopeCalibration, new: NewFile) -> None:
 
     Raises OSError where the file system refuses.
     """
-    write_text(new("report.html"), report(found).page())
-    write_text(new("fit.json"), json_text(as_json(found)))
-    names = [p.parameter.name for p in found.posterior.fitted]
-    write_text(new("samples.csv"), Table(names, found.posterior.values.tolist()).csv())
-    write_text(new("exceedance.csv"), _exceedance(found).csv())
-    if barriers := found.predicted.barriers:
+    write_text(new("report.html"), report(result).page())
+    write_text(new("fit.json"), json_text(as_json(result)))
+    names = [p.parameter.name for p in result.posterior.fitted]
+    write_text(new("samples.csv"), Table(names, result.posterior.values.tolist()).csv())
+    write_text(new("exceedance.csv"), _exceedance(result).csv())
+    if barriers := result.predicted.barriers:
         write_text(new(BARRIER_FILE), estimate_table(barriers).csv())
 
 
-def report(found: SlopeCalibration) -> Document:
+def report(result: SlopeCalibration) -> Document:
     """Report the fitted parameters, what they predict, and how they were found."""
     # Matplotlib takes half a second to import, which simulating workers need not.
     from . import drawing
 
-    fit, posterior, predicted = found.fit, found.posterior, found.predicted
+    fit, posterior, predicted = result.fit, result.posterior, result.predicted
     known = [p for p in posterior.fitted if p.determined]
     verdict = [f"{len(known)} of {len(posterior.fitted)} parameters are determined."]
     verdict += [
         f"{p.parameter.name}: {p.median:.4g} (95 %: {p.low:.4g} to {p.high:.4g})."
         for p in known
     ]
-    warnings = warnings_of(found)
+    warnings = warnings_of(result)
     marginals = [
         Picture(
             partial(drawing.draw_marginal, fitted, samples),
@@ -89,12 +89,14 @@ def report(found: SlopeCalibration) -> Document:
                 f"as probabilities under the prior; from {WIDE:g} on the observations "
                 "do not determine a parameter.",
                 marginals,
-                Section("Correlation of ranks", [_correlation(found)]),
+                Section("Correlation of ranks", [_correlation(result)]),
             ],
         ),
-        Section("Observed and predicted", [_check(found), _channels(found), channels]),
-        Section("Barriers", _barriers(found)),
-        Section("Exceedance", _curves(found)),
+        Section(
+            "Observed and predicted", [_check(result), _channels(result), channels]
+        ),
+        Section("Barriers", _barriers(result)),
+        Section("Exceedance", _curves(result)),
         Section(
             "Are the intervals right?",
             [
@@ -104,16 +106,16 @@ def report(found: SlopeCalibration) -> Document:
                 _coverage(posterior.fitted),
             ],
         ),
-        Section("How it was found, and what it assumes", [_how(found)]),
-        Section("Computed from", [_origin(found)]),
+        Section("How it was found, and what it assumes", [_how(result)]),
+        Section("Computed from", [_origin(result)]),
     ]
     return Document(fit.title, answer, sections)
 
 
-def warnings_of(found: SlopeCalibration) -> list[str]:
+def warnings_of(result: SlopeCalibration) -> list[str]:
     """List what a reader must know before he uses the numbers."""
-    fitted, lines = found.posterior.fitted, []
-    check = found.predicted.check
+    fitted, lines = result.posterior.fitted, []
+    check = result.predicted.check
     if not check.explained:
         lines.append(
             f"The model does not explain the observations: {check.worst} lies "
@@ -132,19 +134,19 @@ def warnings_of(found: SlopeCalibration) -> list[str]:
                 f"The interval of {name} ends at a bound of its prior; a wider prior "
                 "may move it."
             )
-        if found.posterior.is_too_narrow(p):
+        if result.posterior.is_too_narrow(p):
             lines.append(
                 f"Only {p.coverage_95:.0%} of left-out data sets have {name} in its "
                 "95 % interval: it is too narrow; more data_sets may help."
             )
-    for i, j in found.posterior.pairs_together:
+    for i, j in result.posterior.pairs_together:
         one, other = fitted[i].parameter.name, fitted[j].parameter.name
         lines.append(
             f"{one} and {other} act together (correlation "
-            f"{found.posterior.correlation[i, j]:.2f}): rely on both together, not on "
+            f"{result.posterior.correlation[i, j]:.2f}): rely on both together, not on "
             "each."
         )
-    return [*lines, *(f"{r[0].upper()}{r[1:]}." for r in found.fit.observed.remarks)]
+    return [*lines, *(f"{r[0].upper()}{r[1:]}." for r in result.fit.observed.remarks)]
 
 
 def _parameters(fitted: tuple[FittedParameter, ...]) -> Table:
@@ -160,17 +162,17 @@ def _parameters(fitted: tuple[FittedParameter, ...]) -> Table:
     return Table((*columns, "verdict"), rows)
 
 
-def _correlation(found: SlopeCalibration) -> Table:
-    names = [p.parameter.name for p in found.posterior.fitted]
+def _correlation(result: SlopeCalibration) -> Table:
+    names = [p.parameter.name for p in result.posterior.fitted]
     rows = [
         (name, *(f"{value:.2f}" for value in row))
-        for name, row in zip(names, found.posterior.correlation, strict=True)
+        for name, row in zip(names, result.posterior.correlation, strict=True)
     ]
     return Table(("", *names), rows if len(names) > 1 else [])
 
 
-def _check(found: SlopeCalibration) -> str:
-    check = found.predicted.check
+def _check(result: SlopeCalibration) -> str:
+    check = result.predicted.check
     return (
         f"Of the summaries, {check.worst} deviates most, by {check.deviation:.3g} "
         f"standard deviations; {100 * check.probability:.2g} % of predicted data sets "
@@ -179,9 +181,9 @@ def _check(found: SlopeCalibration) -> str:
     )
 
 
-def _channels(found: SlopeCalibration) -> Table:
+def _channels(result: SlopeCalibration) -> Table:
     rows = []
-    for prediction in found.predicted.channels:
+    for prediction in result.predicted.channels:
         channel = prediction.channel
         held_out = isinstance(channel, ObservedPassages) and channel.held_out
         first = (channel.words + ", held out" * held_out, channel.blocks)
@@ -190,7 +192,7 @@ def _channels(found: SlopeCalibration) -> Table:
             interval = interval_text(low, high)
             rows.append((*first, f"{percent} %", observed, middle, interval, inside))
             first = ("", "")
-    for channel in found.fit.observed.channels:
+    for channel in result.fit.observed.channels:
         if isinstance(channel, ObservedCount):
             passed = f"{channel.passed} of {channel.blocks}"
             rows.append((channel.words, channel.blocks, "", passed, "", "", ""))
@@ -198,8 +200,8 @@ def _channels(found: SlopeCalibration) -> Table:
     return Table(columns, rows)
 
 
-def _barriers(found: SlopeCalibration) -> list[Part]:
-    predicted = found.predicted
+def _barriers(result: SlopeCalibration) -> list[Part]:
+    predicted = result.predicted
     if not predicted.barriers:
         return []
     return [
@@ -213,10 +215,10 @@ def _barriers(found: SlopeCalibration) -> list[Part]:
     ]
 
 
-def _curves(found: SlopeCalibration) -> list[Part]:
+def _curves(result: SlopeCalibration) -> list[Part]:
     from . import drawing
 
-    predicted, curves = found.predicted, found.predicted.curves
+    predicted, curves = result.predicted, result.predicted.curves
     if not curves:
         return []
     rows, pictures = [], []
@@ -249,8 +251,8 @@ def _coverage(fitted: tuple[FittedParameter, ...]) -> Table:
     return Table(("parameter", "in the 68 % interval", "in the 95 % interval"), rows)
 
 
-def _how(found: SlopeCalibration) -> list[str]:
-    fit, searched = found.fit, found.searched
+def _how(result: SlopeCalibration) -> list[str]:
+    fit, searched = result.fit, result.searched
     law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].description.items())
     volumes = ", ".join(f"{volume:.3g}" for volume in searched.volumes)
     sigma = fit.observed.sigma
@@ -276,19 +278,19 @@ def _how(found: SlopeCalibration) -> list[str]:
     ]
 
 
-def _origin(found: SlopeCalibration) -> Table:
-    rows = [*_checksums(found).items(), *versions().items()]
+def _origin(result: SlopeCalibration) -> Table:
+    rows = [*_checksums(result).items(), *versions().items()]
     return Table(("file or program", "SHA-256 or version"), rows)
 
 
-def _checksums(found: SlopeCalibration) -> dict[str, str]:
-    files = dict.fromkeys(found.fit.inputs)
+def _checksums(result: SlopeCalibration) -> dict[str, str]:
+    files = dict.fromkeys(result.fit.inputs)
     return {f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in files}
 
 
-def as_json(found: SlopeCalibration) -> dict:
+def as_json(result: SlopeCalibration) -> dict:
     """Collect every number, as a tree of plain values."""
-    fit, posterior, predicted = found.fit, found.posterior, found.predicted
+    fit, posterior, predicted = result.fit, result.posterior, result.predicted
     smoothing = fit.slope.layout.smoothing
     return {
         "title": fit.title,
@@ -320,9 +322,9 @@ def as_json(found: SlopeCalibration) -> dict:
             for p in predicted.channels
             if isinstance(p.channel, ObservedPassages) and p.channel.held_out
         ],
-        "warnings": warnings_of(found),
+        "warnings": warnings_of(result),
         "manifest": {
-            "files": _checksums(found),
+            "files": _checksums(result),
             "versions": versions() | {"numpy": np.__version__},
             "seed": fit.slope.seed,
             "contacts": fit.slope.laws[0].description,
@@ -330,17 +332,17 @@ def as_json(found: SlopeCalibration) -> dict:
             "priors": {
                 p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters
             },
-            "rounds": found.searched.volumes,
-            "data_sets": found.searched.simulated,
+            "rounds": result.searched.volumes,
+            "data_sets": result.searched.simulated,
             "blocks_each": fit.observed.released,
         },
     }
 
 
-def _exceedance(found: SlopeCalibration) -> Table:
+def _exceedance(result: SlopeCalibration) -> Table:
     rows = [
         (curve.place, curve.quantity, *numbers)
-        for curve in found.predicted.curves
+        for curve in result.predicted.curves
         for numbers in zip(
             *(curve.values, curve.share, curve.low, curve.high), strict=True
         )

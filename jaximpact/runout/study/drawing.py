@@ -306,10 +306,10 @@ def drawn_grounds(
     Where there are more than `SHOWN_GROUNDS`, as on a ground that varies along the way,
     they are drawn in classes of equal width of the quantity that varies most.
     """
-    number, told = grounds_of(profile, materials, random)
-    if len(told) <= SHOWN_GROUNDS:
-        words = [", ".join(words[:3]) or "one ground" for words in told]
-        return DrawnGrounds(number, list(GROUNDS[: len(told)]), words)
+    number, descriptions = grounds_of(profile, materials, random)
+    if len(descriptions) <= SHOWN_GROUNDS:
+        words = [", ".join(words[:3]) or "one ground" for words in descriptions]
+        return DrawnGrounds(number, list(GROUNDS[: len(descriptions)]), words)
     names, values = _ground_values(profile, random)
     spread = np.std(values, axis=0) / np.maximum(np.mean(np.abs(values), axis=0), 1e-12)
     most = int(np.argmax(spread))
@@ -347,12 +347,12 @@ def grounds_of(
     )
     order = list(dict.fromkeys(number.ravel().tolist()))
     differing = np.flatnonzero(np.any(keys[:, 1:] != keys[0, 1:], axis=0))
-    told = [
+    descriptions = [
         [known[first[ground]]] * bool(known[first[ground]])
         + [f"{names[i]} = {values[first[ground], i]:g}" for i in differing]
         for ground in order
     ]
-    return [order.index(ground) for ground in number.ravel().tolist()], told
+    return [order.index(ground) for ground in number.ravel().tolist()], descriptions
 
 
 def _ground_values(
