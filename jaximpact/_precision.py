@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ._jax_internals import Tracer, setting
-from ._transfers import own_transfers
+from ._settings import own_transfers
 
 MESSAGE = (
     "jaximpact computes in float64, but JAX is set to float32: call "

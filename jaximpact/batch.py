@@ -15,9 +15,9 @@ from pathlib import Path
 import jax
 import numpy as np
 
-from ._numpy_settings import numpy_settings
 from ._packages import versions
 from ._precision import require_float64
+from ._settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.rows import compute_rows, in_parts, prepare
 from .identity import part_names

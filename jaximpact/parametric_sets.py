@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ._numpy_settings import numpy_settings
+from ._settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy
 from .errors import InputError, nearest
 from .scene import Scene

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from . import laws
 from ._checks import expect, real_numbers
 from ._jax_internals import Tracer, broadcast_shapes
-from ._transfers import own_transfers
+from ._settings import own_transfers
 from ._types import Scalar
 from .errors import InputError
 from .parameters import Composite, html_table, parameter, part

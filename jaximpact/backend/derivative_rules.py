@@ -15,7 +15,7 @@ from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array
 
 from .._jax_internals import Tracer, is_inside_jit, namespace_of
-from .._transfers import own_transfers
+from .._settings import own_transfers
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..identity import tracing

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from .._gc_pause import collector_paused
+from .._settings import collector_paused
 from ..impact.problem import Assembly
 from ..impact.results import History, ImpactSummary
 from ..impact.specialize import depends

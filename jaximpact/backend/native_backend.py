@@ -94,13 +94,6 @@ def compile_native(
     return _compiled(assembly, MOST_DIRECTIONS if differentiated else 0, sampled)
 
 
-@_kept_here
-def compile_along_one(assembly: Assembly) -> Kernel | None:
-    """As `compile_native`, with one direction; for the fits alone, until they
-    differentiate by JAX."""
-    return _compiled(assembly, 1, False)
-
-
 def _compiled(assembly: Assembly, directions: int, sampled: bool) -> Kernel:
     """Load the code of an assembly from the disk, or compile and keep it."""
 

@@ -17,7 +17,7 @@ from .._jax_internals import broadcast_shapes
 from ..accuracy import MAX_STEPS, Accuracy
 from ..impact.problem import Assembly, assemble, pose
 from ..impact.results import History, ImpactSummary, Solution, history_at
-from ..integrator.batched import march, march_and_sample, start_lanes
+from ..integrator.batched import march_and_sample, start_lanes
 from ..integrator.diffrax_solvers import require_derivatives
 from ..integrator.single import diffrax_arguments, integrate
 from ..integrator.summarise import summarise, summarise_lanes
@@ -39,16 +39,6 @@ def compute(
     """
     problem, vector = pose(scene, assembly, tolerance, floor)
     return summarise(scene, problem, integrate(problem, vector, solver))
-
-
-def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> ImpactSummary:
-    """Compute many impacts side by side, until the slowest ends; scene fields have
-    shape (lanes,).
-
-    Pure, differentiable in forward mode.
-    """
-    lanes = march(start_lanes(assembly, scenes, tolerance, floor))
-    return summarise_lanes(scenes, lanes)
 
 
 def compute_at(

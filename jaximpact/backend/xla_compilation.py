@@ -21,13 +21,6 @@ from .simd import host
 UNFUSED = {"xla_disable_hlo_passes": "fusion"}
 
 
-def compile_unfused(function: Callable, *arguments) -> Callable:
-    """Compile a function for arguments of these shapes, without fusion on a CPU."""
-    on_cpu = jax.default_backend() == "cpu"
-    jitted = jax.jit(function, compiler_options=UNFUSED if on_cpu else None)
-    return jitted.lower(*arguments).compile()
-
-
 def unfused_jit(function: Callable, static_argnums: tuple[int, ...] = ()) -> Callable:
     """Compile like `jax.jit`, without fusion on a CPU.
 

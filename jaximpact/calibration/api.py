@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._checks import expect
-from .._numpy_settings import numpy_settings
 from .._precision import require_float64
+from .._settings import numpy_settings
 from ..errors import InputError
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction, as_progress

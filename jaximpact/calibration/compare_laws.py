@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._checks import expect
-from .._numpy_settings import numpy_settings
 from .._precision import require_float64
+from .._settings import numpy_settings
 from ..io.files import write_text
 from ..io.output_files import output_directory, together
 from ..parameters import Part

@@ -99,7 +99,7 @@ def _run(
         raise
     _set_up_jax()
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files
-    from .._numpy_settings import numpy_settings
+    from .._settings import numpy_settings
 
     try:
         with numpy_settings():

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from .._transfers import own_transfers
+from .._settings import own_transfers
 from ..errors import InputError
 from ..laws import Branch
 from ..parameters import Row, html_table, text_table, with_unit

@@ -134,21 +134,6 @@ def sample_lanes(lanes: Lanes, times: LaneScalars) -> History:
     )
 
 
-def march(lanes: Lanes, steps: int | None = None) -> Lanes:
-    """Step all lanes until all have ended, or for a number of steps."""
-
-    def unfinished(carry):
-        lanes, count = carry
-        more = jnp.any(lanes.going)
-        return more if steps is None else more & (count < steps)
-
-    def body(carry):
-        lanes, count = carry
-        return step_lanes(lanes), count + 1
-
-    return jax.lax.while_loop(unfinished, body, (lanes, 0))[0]
-
-
 def march_and_sample(lanes: Lanes, times: Float[Array, " times"]):
     """Step a single lane to its end and sample it at times; NaN after its end."""
 

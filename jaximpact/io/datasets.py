@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from .._numpy_settings import numpy_settings
 from .._packages import versions
+from .._settings import numpy_settings
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..identity import name_of, part_names

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .._gc_pause import collector_paused
 from .._packages import versions
+from .._settings import collector_paused
 from ..accuracy import Accuracy
 from ..identity import part_names
 from ..impact.events import Outcome

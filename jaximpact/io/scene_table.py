@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._gc_pause import collector_paused
+from .._settings import collector_paused
 from ..errors import InputError, UnusualValueWarning, located
 from ..parameters import Part
 from ..quantities import (

@@ -20,8 +20,8 @@ import numpy as np
 import xarray as xr
 
 from .._checks import expect
-from .._numpy_settings import numpy_settings
 from .._packages import needed
+from .._settings import numpy_settings
 from ..errors import IncompleteError, InputError
 from ..impact.events import Outcome
 from ..interruption import remove, remove_for_good, unfinished

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from PIL import Image
 
-from .._numpy_settings import numpy_settings
+from .._settings import numpy_settings
 from ..io.files import replacing
 
 # Okabe and Ito's colours, which colour-blind readers tell apart.

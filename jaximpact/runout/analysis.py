@@ -7,7 +7,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from .._numpy_settings import numpy_settings
+from .._settings import numpy_settings
 from ..shapes import shape_by_shape
 from .blocks import BlockOutline, MassProperties, select, support
 from .lane_programs import Values, closed_form

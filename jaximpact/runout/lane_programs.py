@@ -14,8 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import jaxpr_as_fun
 
-from .._gc_pause import collector_paused
 from .._jax_internals import is_variable
+from .._settings import collector_paused
 from ..backend.native_backend import kept_code, without_machine_code
 from ..backend.simd import (
     Code,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._numpy_settings import numpy_settings
+from .._settings import numpy_settings
 from ..errors import InputError, nearest
 from ..io.files import check_text, read_input
 from ..io.scene_table import reads_as_number, records_of

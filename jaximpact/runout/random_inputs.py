@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri
 
 from .._checks import real_number, whole_number
-from .._numpy_settings import numpy_settings
+from .._settings import numpy_settings
 from ..io.checks import check_memory
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import expect, real_number, whole_number
-from .._numpy_settings import numpy_settings
 from .._precision import require_float64
+from .._settings import numpy_settings
 from ..errors import InputError
 from ..io.checks import check_scene
 from ..progress import SILENT, Progress, ProgressFunction, as_progress

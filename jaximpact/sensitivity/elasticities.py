@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from .._numpy_settings import numpy_settings
 from .._precision import require_float64
+from .._settings import numpy_settings
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
 from ..impact.events import Outcome

@@ -21,9 +21,9 @@ import xarray as xr
 from jaxtyping import Float
 
 from .._checks import whole_number
-from .._numpy_settings import numpy_settings
 from .._packages import version_of, versions
 from .._precision import require_float64
+from .._settings import numpy_settings
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import simulate_batch
 from ..errors import InputError

@@ -169,28 +169,29 @@ def test_interrupted_benchmark_goes_on(known, tmp_path, peers, monkeypatch):
 
     whole = run.SECTIONS["throughput"]
     monkeypatch.setitem(run.SECTIONS, "throughput", whole._replace(measure=interrupted))
+    out = tmp_path / "out"
     both = {"only": ["target", "throughput"], "peers": peers, "settings": TINY}
     with pytest.raises(KeyboardInterrupt):
-        run_benchmark(tmp_path, **both)
-    assert not (tmp_path / "throughput.csv").exists()
-    first, calls = (tmp_path / "target.csv").read_bytes(), known.calls
+        run_benchmark(out, **both)
+    assert not (out / "throughput.csv").exists()
+    first, calls = (out / "target.csv").read_bytes(), known.calls
 
     monkeypatch.setitem(run.SECTIONS, "throughput", whole)
-    (tmp_path / "target.png").unlink()
+    (out / "target.png").unlink()
     said = []
-    run_benchmark(tmp_path, **both, say=said.append)
-    assert (tmp_path / "target.csv").read_bytes() == first
-    assert (tmp_path / "target.png").exists()
-    assert (tmp_path / "throughput.csv").exists()
+    run_benchmark(out, **both, say=said.append)
+    assert (out / "target.csv").read_bytes() == first
+    assert (out / "target.png").exists()
+    assert (out / "throughput.csv").exists()
     assert [line for line in said if line.startswith("target: measured before")]
 
     # Other settings, or data that were changed, are measured again.
     calls = known.calls
-    run_benchmark(tmp_path, **both)
+    run_benchmark(out, **both)
     assert known.calls == calls
-    (tmp_path / "target.csv").write_text("changed\n")
-    run_benchmark(tmp_path, **both)
-    assert (tmp_path / "target.csv").read_text() != "changed\n"
+    (out / "target.csv").write_text("changed\n")
+    run_benchmark(out, **both)
+    assert (out / "target.csv").read_text() != "changed\n"
 
 
 def test_target_takes_the_coarsest_tolerance_that_is_within(known):

@@ -5,8 +5,8 @@ import os
 from pathlib import Path
 
 from ..._checks import expect
-from ..._numpy_settings import numpy_settings
 from ..._precision import require_float64
+from ..._settings import numpy_settings
 from ...io.files import make_directory
 from ...io.output_files import output_directory, together
 from ...progress import Progress, ProgressFunction

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..._numpy_settings import numpy_settings
+from ..._settings import numpy_settings
 from ...backend.threads import thread_count
 from ...scene import GRAVITY
 from ..blocks import put, select

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from ..._numpy_settings import numpy_settings
 from ..._packages import versions
+from ..._settings import numpy_settings
 from ...batch import Collector
 from ...errors import UnusualValueWarning
 from ...io.journal import Journal

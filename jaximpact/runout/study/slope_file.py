@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..._numpy_settings import numpy_settings
+from ..._settings import numpy_settings
 from ...identity import part_names
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.files import read_input

@@ -1,0 +1,49 @@
+"""Settings of NumPy, JAX and Python that the package makes as it computes."""
+
+import contextlib
+import gc
+from collections.abc import Iterator
+
+import numpy as np
+
+
+def numpy_settings() -> np.errstate:
+    """Make the settings that the package computes with, whatever the user's are.
+
+    It is the decorator of what users call from Python, and of the commands. Under
+    `numpy.seterr(all="raise")` a probability that underflows to 0, as it should, would
+    end a calibration; libraries below compute such numbers too. Nothing is hidden that
+    NumPy tells by itself.
+    """
+    return np.errstate(divide="warn", over="warn", under="ignore", invalid="warn")
+
+
+@contextlib.contextmanager
+def own_transfers() -> Iterator[None]:
+    """Let the package's transfers pass `jax.transfer_guard`, also as a decorator.
+
+    A guard is there to find transfers that nobody meant. Whoever makes a soil of a
+    number, or calls `simulate`, means that number to reach the device.
+    """
+    import jax  # which the help of a command does not need
+
+    to_device = jax.transfer_guard_host_to_device("allow")
+    with to_device, jax.transfer_guard_device_to_host("allow"):
+        yield
+
+
+@contextlib.contextmanager
+def collector_paused() -> Iterator[None]:
+    """Pause the collection of reference cycles, for code that makes none.
+
+    Many rows make it run often, and so does a graph that is traced; it goes through all
+    that is being built again and again, and takes a third of the time. And JAX has a
+    callback in it: Ctrl-C that arrives there is reported as ignored, and is lost.
+    """
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
