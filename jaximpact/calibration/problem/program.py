@@ -171,11 +171,13 @@ class Program:
         return [np.concatenate(found) for found in zip(*parts, strict=True)]
 
     def _filled(self, rows: Rows, size: int) -> Rows:
-        """Append impacts without speed."""
+        """Append impacts without speed; in XLA, where these take long, others again."""
         count = len(rows.own)
         filled = Rows(
             *(np.resize(values, (size, *values.shape[1:])) for values in rows)
         )
+        if self.in_xla:
+            return filled
         speed = [column.name == "speed_mps" for column in self.columns]
         filled.own[count:, speed] = 0.0
         filled.leaves[count:, self.varied == self.places["speed_mps"]] = 0.0
