@@ -38,7 +38,6 @@ from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import fit_study, judge_lowest, starts_of
 from jaximpact.cli import options
-from jaximpact.progress import Progress
 from jaximpact.tasks import call_each, computing
 
 from .realistic_twins import BOUNDS, Twin
@@ -195,11 +194,11 @@ def _repeated(twin: Twin, engine, number: int) -> dict:
     true = objective.bounds.coordinate(np.array(list(twin.truth.values())))
     ends = fit(objective.rough(), true[None], rule=ROUGH)
     ends = ends._replace(points=objective(ends.points.x))
-    ends = polish(objective, ends, Progress())
+    ends = polish(objective, ends)
     if not ends.reasons[ends.best].at_minimum:
         # A jump has stopped the fit: from several starts, as `jaximpact calibrate`.
         starts = np.concatenate([true[None], starts_of(objective)])
-        ends = fit_starts(objective, starts, study.method, Progress())
+        ends = fit_starts(objective, starts, study.method)
     judged = judge(objective, one_of(ends, ends.best), true)
     return judged | {"seconds": time.process_time() - begin}
 
@@ -207,7 +206,7 @@ def _repeated(twin: Twin, engine, number: int) -> dict:
 def judge(objective: Objective, best: Fits, true: np.ndarray) -> dict:
     """Compute the errors of a fit, as `jaximpact calibrate` does, and how many tests
     are near a jump at it and at the truth."""
-    objective, best, found = judge_lowest(objective, best, Progress())
+    objective, best, found = judge_lowest(objective, best)
     at_truth = best._replace(points=objective(true[None]))
     uncertainty = found.uncertainty
     errors, apart = uncertainty.standard_errors, best.points.x[0] - true

@@ -51,6 +51,22 @@ def telling(progress: Progress) -> Iterator[None]:
         _listening.reset(token)
 
 
+@contextlib.contextmanager
+def reporting_to(progress: Progress | ProgressFunction | None) -> Iterator[None]:
+    """Have what a user gave listen to the work inside; with None whoever listens
+    already does."""
+    with telling(listening() if progress is None else as_progress(progress)):
+        yield
+
+
+@contextlib.contextmanager
+def within(step: str) -> Iterator[None]:
+    """Begin the lines that the work inside tells with the name of a step; also as a
+    decorator."""
+    with telling(listening().within(step)):
+        yield
+
+
 def listening() -> Progress:
     """Return the progress that listens here."""
     return _listening.get()

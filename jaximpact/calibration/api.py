@@ -13,7 +13,7 @@ from .._precision import require_float64
 from .._settings import numpy_settings
 from ..errors import InputError
 from ..parameters import Part
-from ..progress import Progress, ProgressFunction, as_progress
+from ..progress import Progress, ProgressFunction, reporting_to, tell, within
 from ..quantities import columns_of_part
 from ..scene import Block, Soil
 from .arguments import study_of_arguments, table_given
@@ -251,7 +251,8 @@ def calibrate(
     study = study_of_arguments(tests, options)
     expect("out", out, str, os.PathLike, type(None))
     directory = None if out is None else Path(out)
-    return Calibration(*fit_and_examine(study, directory, progress=progress))
+    with reporting_to(progress):
+        return Calibration(*fit_and_examine(study, directory))
 
 
 @numpy_settings()
@@ -282,7 +283,8 @@ def predict(
     else:
         ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
     measurements = joined_tables((table_given(tests, scene_of(ground.parts)),))
-    found = predict_tests(ground, measurements, inputs, as_progress(progress))
+    with reporting_to(progress):
+        found = predict_tests(ground, measurements, inputs)
     return Prediction(*found)
 
 
@@ -322,12 +324,9 @@ def run_study(
     """
     require_float64()
     study = read_study(study_path)
-    result, _, _ = fit_and_examine(
-        *(study, Path(out_dir)),
-        posterior=posterior,
-        compare=compare,
-        progress=progress,
-    )
+    out = Path(out_dir)
+    with reporting_to(progress):
+        result, *_ = fit_and_examine(study, out, posterior=posterior, compare=compare)
     return result
 
 
@@ -337,14 +336,12 @@ def fit_and_examine(
     *,
     posterior: bool = False,
     compare: bool = False,
-    progress: Progress | ProgressFunction | None,
 ) -> tuple[StudyResult, list[Examination], OtherLaws]:
     """Fit a study and compute its diagnostics, fit other laws beside it, and write the
     files of `run_study` if there is a directory for them."""
     require_float64()
     if posterior:
         check_extra()
-    progress = as_progress(progress)
     compare = compare or study.compare is not None
     stated = study.compare or CompareTable()
     if compare:
@@ -352,13 +349,12 @@ def fit_and_examine(
         check_comparison(study, stated.laws, stated.by)
 
     def computed() -> tuple:
-        result = fit_study(study, progress=progress)
-        examined = examine(result, posterior=posterior, progress=progress)
-        others = OtherLaws(fit_simple(study, progress.within("simple laws: ")))
+        result = fit_study(study)
+        examined = examine(result, posterior=posterior)
+        with within("simple laws: "):
+            others = OtherLaws(fit_simple(study))
         if compare:
-            compared = compare_study(
-                study, stated.laws, by=stated.by, progress=progress
-            )
+            compared = compare_study(study, stated.laws, by=stated.by)
             others = others._replace(compared=compared)
         return result, examined, others
 
@@ -367,6 +363,6 @@ def fit_and_examine(
     directory = study_directory(study, out_dir, posterior=posterior, compared=compare)
     with directory as new:
         result, examined, others = computed()
-        progress("drawing")
+        tell("drawing")
         write_all(result, examined, new, others)
     return result, examined, others

@@ -305,5 +305,5 @@ def compare(
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
     study = study_of_arguments(tests, options)
-    compared = compare_study(study, laws, by=by, exact=bool(exact), progress=progress)
+    compared = compare_study(study, laws, by=by, exact=bool(exact))
     return Comparison(compared)

@@ -20,7 +20,7 @@ from ..accuracy import PRESETS
 from ..errors import InputError
 from ..identity import name_of
 from ..impact.events import Outcome
-from ..progress import SILENT, Progress
+from ..progress import tell, within
 from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE
 from .comparison.fitted_law import LawPrediction, predict_simple
@@ -110,15 +110,15 @@ def predict_tests(
     ground: FittedGround,
     measurements: Measurements,
     inputs: list[Path],
-    progress: Progress,
 ) -> PredictedTests:
     """Predict tests with every variant of a ground that was read from files."""
     study, variants = held_out_study(ground, measurements), []
-    progress("compiling once")
+    tell("compiling once")
     for fitted, model in zip(ground.variants, models_of(study), strict=True):
         told = f"variant {len(variants) + 1} of {len(ground.variants)}: "
         given = study, ground, fitted, model
-        variants.append(predict_variant(*given, progress.within(told)))
+        with within(told):
+            variants.append(predict_variant(*given))
     return PredictedTests(
         ground=ground,
         tests=study.tests,
@@ -226,7 +226,6 @@ def predict_variant(
     ground: FittedGround,
     fitted: FittedVariant,
     model: ForwardModel,
-    progress: Progress = SILENT,
 ) -> VariantPrediction:
     """Predict the tests of a study with one variant of a fitted ground."""
     objective = Objective(study, fitted.variant, model, PRESETS[ground.accuracy])
@@ -236,9 +235,7 @@ def predict_variant(
         bounds.coordinate(np.clip(p, bounds.lower, bounds.upper)) for p in (best, draws)
     )
     at_best = objective.values(best[None])
-    _, predicted, ends = objective.at(fitted.accuracy).values_by_parts(
-        draws, lambda text: progress(f"{text} draws")
-    )
+    _, predicted, ends = objective.at(fitted.accuracy).values_by_parts(draws)
     outcomes = at_best.outcomes[0]
     sigma, freedom = scatter(study, fitted, predicted, weights)
     return VariantPrediction(
@@ -248,7 +245,7 @@ def predict_variant(
         best=at_best.predicted[0],
         sigma=sigma,
         missing_part=np.einsum("d,drt->rt", weights, ~np.isfinite(predicted)),
-        **_of_cells(study, ground, weights, predicted, sigma, freedom, progress),
+        **_of_cells(study, ground, weights, predicted, sigma, freedom),
     )
 
 
@@ -280,9 +277,7 @@ def scatter(
     return sigma, freedom
 
 
-def _of_cells(
-    study, ground, weights, predicted, sigma, freedom, progress: Progress
-) -> dict:
+def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
     """Compute quantiles and scores of every test and target."""
     shape = study.measured.shape
     names = ("model_low", "model_high", "middle", "low_50", "high_50", "low_95")
@@ -292,7 +287,7 @@ def _of_cells(
     plain = [plain_forecast(ground.results, name) for name in study.targets]
     for cell in np.ndindex(*shape):
         if not cell[1]:
-            progress(f"intervals of {cell[0]} of {shape[0]} tests")
+            tell(f"intervals of {cell[0]} of {shape[0]} tests")
         values = predicted[:, *cell]
         model = predictive(values, weights, 0.0)
         if model is None:

@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from ..errors import InputError
-from ..progress import SILENT, Progress, ProgressFunction, as_progress
+from ..progress import Progress, ProgressFunction, reporting_to, tell, within
 from .diagnostics.identifiability import (
     LikelihoodProfile,
     directions,
@@ -52,42 +52,40 @@ def fit_study(
 
     Raises InputError where no start gives a prediction.
     """
-    progress, begin = as_progress(progress), time.perf_counter()
-    progress("compiling once")
-    models = models_of(study)
-    several = len(study.variants) > 1
+    begin = time.perf_counter()
 
-    def fitted(item: tuple[Variant, ForwardModel], progress: Progress) -> VariantResult:
+    def fitted(item: tuple[Variant, ForwardModel]) -> VariantResult:
         variant, model = item
         objective = Objective(study, variant, model)
-        progress = progress.within(f"{variant.name}: ") if several else progress
-        return _fit_variant(objective, variant, progress)
+        with within(f"{variant.name}: " if len(study.variants) > 1 else ""):
+            return _fit_variant(objective, variant)
 
-    items = list(zip(study.variants, models, strict=True))
-    results = for_each_variant(models, fitted, items, progress)
+    with reporting_to(progress):
+        tell("compiling once")
+        models = models_of(study)
+        items = list(zip(study.variants, models, strict=True))
+        results = for_each_variant(models, fitted, items)
     names = " and ".join(sorted({model.engine for model in models}))
     return StudyResult(study, results, time.perf_counter() - begin, names)
 
 
-def best_fit(
-    objective: Objective, progress: Progress = SILENT
-) -> tuple[Objective, Fits, Fits]:
+def best_fit(objective: Objective) -> tuple[Objective, Fits, Fits]:
     """Fit from all starts of a study: the objective with the estimated sigmas, the ends
     of all starts, and the best fit alone."""
     study = objective.study
     starts = starts_of(objective)
-    ends = fit_starts(objective, starts, study.method, progress)
+    ends = fit_starts(objective, starts, study.method)
     if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
         raise InputError("no start gives a prediction", file=study.path)
     origin = ends.best
-    objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
+    objective, best = settle(objective, one_of(ends, origin), fit_on)
     if not np.all(study.sigma_given):
         # Which end is the best depends on what is estimated.
         ends = ends._replace(points=objective.reevaluate(ends.points))
-        ends = polish(objective, ends, progress)
+        ends = polish(objective, ends)
         if ends.points.cost[ends.best] < best.points.cost[0]:
             origin = ends.best
-            objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
+            objective, best = settle(objective, one_of(ends, origin), fit_on)
     return objective, with_origin(ends, origin, best), best
 
 
@@ -99,12 +97,10 @@ def starts_of(objective: Objective) -> np.ndarray:
     return spread_starts(*given, study.starts, study.seed)
 
 
-def _fit_variant(
-    objective: Objective, variant: Variant, progress: Progress
-) -> VariantResult:
+def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
     study, starts = objective.study, starts_of(objective)
-    objective, ends, best = best_fit(objective, progress)
-    objective, best, judged, profiles = _profiled(objective, best, progress)
+    objective, ends, best = best_fit(objective)
+    objective, best, judged, profiles = _profiled(objective, best)
     uncertainty = judged.uncertainty
     if np.any(judged.shares > NEAR):
         # It may have gone on along a jump, and what ended beside it with it.
@@ -148,31 +144,29 @@ def _fit_variant(
 
 
 def _profiled(
-    objective: Objective, best: Fits, progress: Progress
+    objective: Objective, best: Fits
 ) -> tuple[Objective, Fits, Judged, list[LikelihoodProfile]]:
     """Judge and profile the best fit; where a profile of all tests finds a lower cost,
     fit from there, and do it again."""
-    objective, best, judged = judge_lowest(objective, best, progress)
-    profiles = _profiles(judged, best, progress)
+    objective, best, judged = judge_lowest(objective, best)
+    profiles = _profiles(judged, best)
     lowest = min(profiles, key=lambda found: found.lowest_cost)
     below = _below(objective, lowest.best_cost)
     if judged.smooth is not objective or lowest.lowest_cost >= below:
         return objective, best, judged, profiles
-    again = _fit_again(objective, best, lowest.lowest_x, progress)
+    again = _fit_again(objective, best, lowest.lowest_x)
     if again is None:
         return objective, best, judged, profiles
-    objective, best, judged = judge_lowest(*again, progress)
-    return objective, best, judged, _profiles(judged, best, progress)
+    objective, best, judged = judge_lowest(*again)
+    return objective, best, judged, _profiles(judged, best)
 
 
-def judge_lowest(
-    objective: Objective, best: Fits, progress: Progress
-) -> tuple[Objective, Fits, Judged]:
+def judge_lowest(objective: Objective, best: Fits) -> tuple[Objective, Fits, Judged]:
     """Judge the best fit; where a draw has a lower cost, fit from there, and judge
     that."""
     for _ in range(REFITS):
         below = _below(objective, float(best.points.cost[0]))
-        judged = judge(objective, best, enough_below=below, progress=progress)
+        judged = judge(objective, best, enough_below=below)
         lowest = np.argsort(judged.draws.cost, kind="stable")[:LOWEST]
         if judged.draws.cost[lowest[0]] >= below:
             return objective, best, judged
@@ -181,11 +175,11 @@ def judge_lowest(
         point = int(np.argmin(points.cost))
         if points.cost[point] >= below:
             break
-        again = _fit_again(objective, best, points.x[point], progress)
+        again = _fit_again(objective, best, points.x[point])
         if again is None:
             break
         objective, best = again
-    return objective, best, judge(objective, best, progress=progress)
+    return objective, best, judge(objective, best)
 
 
 def _below(objective: Objective, cost: float) -> float:
@@ -194,26 +188,25 @@ def _below(objective: Objective, cost: float) -> float:
 
 
 def _fit_again(
-    objective: Objective, best: Fits, x: np.ndarray, progress: Progress
+    objective: Objective, best: Fits, x: np.ndarray
 ) -> tuple[Objective, Fits] | None:
     """Fit from x; None where that ends no lower than the best fit, or at no minimum
     though that one did."""
     begin = Fits(objective(x[None]), [Reason.jump], np.zeros(1, int))
-    again = polish(objective, begin, progress)
+    again = polish(objective, begin)
     if again.points.cost[0] >= begin.points.cost[0]:
         # Lost at a lower accuracy, at which steps are cheaper.
-        again = fit_on(objective, x[None], progress=progress.within("refining, "))
+        with within("refining, "):
+            again = fit_on(objective, x[None])
     if not again.reasons[0].at_minimum:
-        again = polish(objective, again, progress)
+        again = polish(objective, again)
     lost = best.reasons[0].at_minimum and not again.reasons[0].at_minimum
     if lost or again.points.cost[0] >= best.points.cost[0]:
         return None
-    return settle(objective, again, fit_on, progress)
+    return settle(objective, again, fit_on)
 
 
-def _profiles(
-    judged: Judged, best: Fits, progress: Progress
-) -> list[LikelihoodProfile]:
+def _profiles(judged: Judged, best: Fits) -> list[LikelihoodProfile]:
     smooth = judged.smooth
     points = smooth.reevaluate(best.points)
-    return profile_all(smooth, points, judged.uncertainty, progress)
+    return profile_all(smooth, points, judged.uncertainty)

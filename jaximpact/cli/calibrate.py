@@ -9,6 +9,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import manifest_path, output_files
+from ..progress import reporting_to
 from . import options
 from .progress import ProgressLines, say
 
@@ -184,13 +185,12 @@ def run(arguments: argparse.Namespace) -> None:
             "process"
         )
     begin = time.monotonic()
-    with ProgressLines() as progress:
+    with ProgressLines() as progress, reporting_to(progress):
         result, examined, others = fit_and_examine(
             study,
             arguments.out,
             posterior=arguments.posterior,
             compare=arguments.compare,
-            progress=progress,
         )
     print(study_report(result, examined, others.compared).text(), end="")
     seconds = time.monotonic() - begin

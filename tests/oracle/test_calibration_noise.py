@@ -24,7 +24,6 @@ from jaximpact.calibration.problem.targets import NOMINAL_SIGMA
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.files import as_json
 from jaximpact.errors import InputError
-from jaximpact.progress import Progress
 
 PART = 0.03
 BOUNDS = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
@@ -46,7 +45,7 @@ def objective_of(slopes, measured, scatter=PROPORTIONAL, **content):
 
 def fitted(objective):
     start = fit(objective, np.ones((1, 1)))
-    objective, best = settle(objective, start, fit, Progress())
+    objective, best = settle(objective, start, fit)
     return objective, best.points
 
 

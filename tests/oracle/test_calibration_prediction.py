@@ -34,7 +34,6 @@ from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import best_fit
 from jaximpact.errors import InputError
-from jaximpact.progress import Progress
 from jaximpact.quantities import INPUT_COLUMNS
 
 pytestmark = pytest.mark.slow
@@ -219,7 +218,7 @@ def linear():
     study = study_of(tests, {"parameters": {"c_v": bounds, "gamma_v": bounds}})
     objective = Linear(study, study.variants[0], None)
     objective.matrix = LINE
-    return settle(objective, fit(objective, np.zeros((1, 2))), fit, Progress())
+    return settle(objective, fit(objective, np.zeros((1, 2))), fit)
 
 
 def test_draws_with_the_scale_left_open_are_students():

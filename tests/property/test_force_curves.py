@@ -19,7 +19,6 @@ from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.report.files import as_json
 from jaximpact.errors import InputError
-from jaximpact.progress import Progress
 
 TIMES = np.linspace(-0.002, 0.06, 32)
 """From before the touch to after the end of some contacts."""
@@ -132,7 +131,7 @@ def test_forces_are_those_of_a_simulation_and_so_are_derivatives(objective, hist
 def test_a_fit_to_curves_gets_the_parameters_back(objective):
     begin = objective.bounds.coordinate(np.array([[9.0, 800.0]]))
     begun = fit(objective, begin)
-    settled, best = settle(objective, begun, fit, Progress())
+    settled, best = settle(objective, begun, fit)
     uncertainty = estimate(settled, best.points)
     apart = best.points.x[0] - objective.bounds.coordinate(np.array([*TRUTH.values()]))
     assert np.all(np.abs(apart) < 3.0 * uncertainty.standard_errors)

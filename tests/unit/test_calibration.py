@@ -38,7 +38,6 @@ from jaximpact.calibration.problem.bounds import Bounds
 from jaximpact.calibration.problem.objective import Objective, Points, start_of
 from jaximpact.calibration.study import judge_lowest
 from jaximpact.cli import main
-from jaximpact.progress import Progress
 
 pytestmark = pytest.mark.slow
 
@@ -188,15 +187,11 @@ class Cliff(Valley):
         return self.points(x, residuals, rows, beyond[:, None], 100.0 * beyond)
 
 
-def quiet(text):
-    pass
-
-
 def test_rosenbrock_from_everywhere():
     """The known minimum (1, 1), from 25 points."""
     grid = np.linspace(-4.0, 4.0, 5)
     x = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2) / 5.0
-    fits = levenberg_marquardt(Valley(), x, None, FINE, quiet)
+    fits = levenberg_marquardt(Valley(), x, None, FINE)
     assert set(fits.reasons) == {Reason.converged}
     found = Valley.bounds.parameter(fits.points.x)
     # A promise of 1e-10 leaves 1e-5 in the flattest direction, of curvature 0.2.
@@ -205,7 +200,7 @@ def test_rosenbrock_from_everywhere():
 
 def test_a_held_unknown_stays():
     x = np.array([[0.1, 0.5]])
-    fits = levenberg_marquardt(Valley(), x, np.array([[True, False]]), FINE, quiet)
+    fits = levenberg_marquardt(Valley(), x, np.array([[True, False]]), FINE)
     assert fits.points.x[0, 1] == 0.5
     # b = 2.5: the minimum of 100 (b - a^2)^2 + (1 - a)^2 over a.
     a = Valley.bounds.parameter(fits.points.x)[0, 0]
@@ -214,7 +209,7 @@ def test_a_held_unknown_stays():
 
 def test_a_start_at_a_cliff_is_stuck():
     """The cost falls towards a cliff, and there is no minimum before it."""
-    fits = levenberg_marquardt(Cliff(), np.array([[0.3, 0.0]]), None, FINE, quiet)
+    fits = levenberg_marquardt(Cliff(), np.array([[0.3, 0.0]]), None, FINE)
     assert fits.reasons == [Reason.jump]
     assert not fits.reasons[0].at_minimum
     assert 0.0 <= fits.points.x[0, 0] < 1e-2
@@ -497,7 +492,7 @@ def test_starts_left_behind_search_together(tmp_path, monkeypatch, agreed):
         begun.append(x)
         return Fits(objective(np.array(ends)), reasons, np.full(len(ends), 5))
 
-    def evolved(objective, x, candidates, progress):
+    def evolved(objective, x, candidates):
         np.testing.assert_array_equal(x, rounds[0][0])
         within = (candidates >= objective.bounds.low) & (
             candidates <= objective.bounds.high
@@ -511,9 +506,9 @@ def test_starts_left_behind_search_together(tmp_path, monkeypatch, agreed):
     starts = "jaximpact.calibration.estimation.starts"
     monkeypatch.setattr(f"{starts}.fit", made)
     monkeypatch.setattr(f"{starts}.evolve", evolved)
-    monkeypatch.setattr(f"{starts}.polish", lambda objective, fits, progress: fits)
+    monkeypatch.setattr(f"{starts}.polish", lambda objective, fits: fits)
     monkeypatch.setattr(Objective, "rough", lambda objective: objective)
-    fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt", Progress())
+    fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt")
     np.testing.assert_array_equal(begun[1][:2], [[0.3, 0.0], [0.31, 0.0]])
     third = 0.05 if agreed else 0.9
     np.testing.assert_array_equal(fits.points.x[:, 0], [0.2, 0.05, third, 0.05, 0.21])
@@ -544,9 +539,9 @@ def jumping(tmp_path):
 def test_the_best_fit_along_a_jump_is_found(tmp_path):
     """By hand: beside the line x_0 + x_1 = 1, (0.75, 0.25) is nearest to (0.9, 0.4)."""
     objective = jumping(tmp_path)
-    begin = levenberg_marquardt(objective, np.array([[0.2, 0.2]]), None, FINE, quiet)
+    begin = levenberg_marquardt(objective, np.array([[0.2, 0.2]]), None, FINE)
     assert not begin.reasons[0].at_minimum
-    found = descend_on_branches(objective, begin, Progress())
+    found = descend_on_branches(objective, begin)
     assert found.reasons == [Reason.edge]
     assert np.sum(found.points.x) <= 1.0
     best = 0.5 * (2.0 * 0.15**2 / 0.1**2)
@@ -580,7 +575,7 @@ def test_a_fit_beside_a_jump_that_accuracy_moves_stays_beside_it(tmp_path):
     objective.matrix = of_study.matrix
     x = np.array([[0.2, 0.2]])
     begin = Fits(objective(x), [Reason.stuck], np.zeros(1, int))
-    found = polish(objective, begin, Progress())
+    found = polish(objective, begin)
     assert found.reasons == [Reason.edge]
     best = 0.5 * (2.0 * 0.15**2 / 0.1**2)
     assert best <= found.points.cost[0] <= best + 0.05
@@ -700,7 +695,7 @@ def test_a_fit_goes_on_from_a_lower_draw(tmp_path):
     """From beside the jump, but not at the lowest point there."""
     objective = jumping_in_one(tmp_path)
     begin = Fits(objective(np.array([[0.55, 0.4]])), [Reason.edge], np.zeros(1, int))
-    _, found, judged = judge_lowest(objective, begin, Progress())
+    _, found, judged = judge_lowest(objective, begin)
     lowest = objective.values(np.array([[0.75, 0.25]])).cost[0]
     assert begin.points.cost[0] > lowest + 1.0
     assert found.points.cost[0] < lowest + 0.05

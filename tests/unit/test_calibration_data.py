@@ -23,7 +23,6 @@ from jaximpact.calibration.problem.noise import (
 from jaximpact.calibration.problem.objective import names_of, start_of
 from jaximpact.calibration.report.contents import about
 from jaximpact.cli import main
-from jaximpact.progress import Progress
 
 U = np.linspace(-6.0, 6.0, 25)
 STUDY = """\
@@ -212,7 +211,7 @@ def test_limits_that_are_kept_cost_little_and_broken_ones_much(tmp_path, predict
 
 def fitted(objective):
     fits = fit(objective, start_of(objective.study)[None], rule=FINE)
-    return settle(objective, fits, fit, Progress())
+    return settle(objective, fits, fit)
 
 
 def test_robust_losses_put_up_with_an_outlier(tmp_path, predicted):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import InputError, nearest
-from ...progress import Progress, ProgressFunction, as_progress
+from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...scene_quantities import SHAPE
 from ..problem.config import Study
 from ..problem.dataset import CAMPAIGN
@@ -133,7 +133,6 @@ def compare_study(
     Raises InputError for laws or columns that cannot be used, and where no law can be
     fitted.
     """
-    progress = as_progress(progress)
     contenders = contenders_of(laws, study)
     targets = study.targets
     if any(contender.is_rebound for contender in contenders):
@@ -151,14 +150,15 @@ def compare_study(
 
     scored, refused = [], {}
     for number, contender in enumerate(contenders, 1):
-        within = progress.within(f"law {number} of {len(contenders)}: ")
-        within(contender.name)
-        try:
-            found = fit_law(study, contender, within)
-        except InputError as error:
-            refused[contender.name] = str(error)
-            continue
-        scored.append(_scored(contender, found, groups, exact, within))
+        step = within(f"law {number} of {len(contenders)}: ")
+        with reporting_to(progress), step:
+            tell(contender.name)
+            try:
+                found = fit_law(study, contender)
+            except InputError as error:
+                refused[contender.name] = str(error)
+                continue
+            scored.append(_scored(contender, found, groups, exact))
     if not scored:
         raise InputError(f"no law could be fitted: {'; '.join(refused.values())}")
     fits, densities = zip(*scored, strict=True)
@@ -184,7 +184,6 @@ def _scored(
     found: LawFit,
     groups: list[Groups],
     exact: bool,
-    progress: Progress,
 ) -> tuple[ScoredLaw, list[np.ndarray]]:
     """Score a law by each kind of groups left out; log densities of these."""
     held, densities = [], []
@@ -192,7 +191,6 @@ def _scored(
         one = held_out(
             *(found.objective, found.points, found.uncertainty, group),
             exact=exact or contender.is_rebound or name != TEST,
-            progress=progress,
         )
         inside = group >= 0
         held.append(one)

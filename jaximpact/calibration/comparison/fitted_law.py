@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import InputError
-from ...progress import SILENT, Progress
+from ...progress import tell
 from ...quantities import NEVER_NEGATIVE
 from ..diagnostics.predictive import Predictive, predictive
 from ..diagnostics.uncertainty import (
@@ -138,7 +138,7 @@ def objective_of(study: Study, contender: Contender) -> Objective:
     return Objective(alone, law, models_of(alone)[0])
 
 
-def fit_law(study: Study, contender: Contender, progress: Progress = SILENT) -> LawFit:
+def fit_law(study: Study, contender: Contender) -> LawFit:
     """Fit a law to the tests of a study.
 
     Impacts are computed no more accurately than the sigmas need.
@@ -148,7 +148,7 @@ def fit_law(study: Study, contender: Contender, progress: Progress = SILENT) -> 
     objective = objective_of(study, contender)
     if not contender.is_rebound and np.all(study.sigma_given):
         objective = objective.no_finer_than_sigmas()
-    objective, _, best = best_fit(objective, progress)
+    objective, _, best = best_fit(objective)
     objective = objective.no_finer_than_sigmas()
     points = objective(best.points.x)
     uncertainty = estimate(objective, points)
@@ -252,7 +252,7 @@ def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
     return np.array(values), covariance
 
 
-def fit_simple(study: Study, progress: Progress = SILENT) -> tuple[FittedLaw, ...]:
+def fit_simple(study: Study) -> tuple[FittedLaw, ...]:
     """Fit constant coefficients, and Pfeiffer and Bowen, to the targets that they
     predict."""
     targets, found = predicted_by_rebound(study), []
@@ -260,7 +260,7 @@ def fit_simple(study: Study, progress: Progress = SILENT) -> tuple[FittedLaw, ..
         return ()
     study = of_targets(study, targets)
     for name, contender in SIMPLE_LAWS.items():
-        progress(name)
+        tell(name)
         try:
             found.append(fit_law(study, contender).fitted)
         except InputError:

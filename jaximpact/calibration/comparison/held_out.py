@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammaln, log_ndtr, logsumexp, stdtr
 
-from ...progress import SILENT, Progress
+from ...progress import tell
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.branches import draws_about, has_left, is_abrupt
@@ -71,7 +71,6 @@ def held_out(
     group: np.ndarray,
     *,
     exact: bool,
-    progress: Progress = SILENT,
 ) -> HeldOut:
     """Predict each group of tests by the fit to the others.
 
@@ -93,7 +92,7 @@ def held_out(
     density = np.zeros(len(left[0]))
 
     for number in range(len(groups)):
-        progress("groups left out", number, len(groups))
+        tell("groups left out", number, len(groups))
         tests, rest = left[number], objective.without(left[number])
         if refitted[number]:
             found = fit(rest, best.x, rule=LEFT_OUT)

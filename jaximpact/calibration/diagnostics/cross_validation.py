@@ -20,9 +20,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import bdtr
 
-from ..estimation.least_squares import Progress, Reason, StoppingRule, bounded_step
+from ...progress import tell, within
+from ..estimation.least_squares import Reason, StoppingRule, bounded_step
 from ..estimation.sigma import sizes
-from ..estimation.starts import SILENT, fit
+from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
@@ -91,7 +92,6 @@ def leave_out_each(
     uncertainty: Uncertainty,
     *,
     at_most: int = AT_MOST,
-    progress: Progress = SILENT,
 ) -> LeftOut:
     """Predict each test by the fit without it; tests without a measurement are skipped.
 
@@ -100,7 +100,6 @@ def leave_out_each(
         points: the best fit, of one lane.
         uncertainty: uncertainty of the fit.
         at_most: largest number of fits.
-        progress: called with a line of text for each.
     """
     study = objective.study
     # Points of a curve are one test.
@@ -116,10 +115,8 @@ def leave_out_each(
     steps[fitted] = np.nan
     names = tuple(study.tests.name(test) for test in measured)
     starts = points.x[0][None]
-    return _leave_out(
-        *(objective, points, uncertainty, names, group, starts, steps),
-        progress.within("tests left out: "),
-    )
+    with within("tests left out: "):
+        return _leave_out(objective, points, uncertainty, names, group, starts, steps)
 
 
 def leave_out_campaigns(
@@ -127,8 +124,6 @@ def leave_out_campaigns(
     points: Points,
     uncertainty: Uncertainty,
     ends: np.ndarray | None = None,
-    *,
-    progress: Progress = SILENT,
 ) -> LeftOut | None:
     """Predict each campaign by the fit without it; None where there is only one.
 
@@ -146,10 +141,8 @@ def leave_out_campaigns(
     if ends is not None:
         starts = np.concatenate([starts, ends[:OTHER_STARTS]])
     steps = np.full((len(names), points.x.shape[1]), np.nan)
-    return _leave_out(
-        *(objective, points, uncertainty, names, group, starts, steps),
-        progress.within("campaigns left out: "),
-    )
+    with within("campaigns left out: "):
+        return _leave_out(objective, points, uncertainty, names, group, starts, steps)
 
 
 def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.ndarray:
@@ -165,9 +158,7 @@ def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.nda
     return np.array([bounded_step(rest, *given)[0][0] for rest in rests])
 
 
-def _leave_out(
-    objective, points, uncertainty, names, group, starts, steps, progress
-) -> LeftOut:
+def _leave_out(objective, points, uncertainty, names, group, starts, steps) -> LeftOut:
     """Predict each group without it: by its linearised step, or by a fit where that is
     NaN."""
     study, size = objective.study, points.x.shape[1]
@@ -179,7 +170,7 @@ def _leave_out(
 
     reasons = []
     for number in range(len(names)):
-        progress(f"{number} of {len(names)}")
+        tell(f"{number} of {len(names)}")
         tests, step = group == number, steps[number]
         if np.all(np.isfinite(step)):
             rest, reason = objective.without(tests), Reason.converged

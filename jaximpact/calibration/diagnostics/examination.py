@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtr
 
-from ...progress import Progress, ProgressFunction, as_progress
+from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import CURVE_COLUMNS
 from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, leverages
 from ..problem.config import Study
@@ -99,36 +99,33 @@ def examine(
 
     Args:
         posterior: whether to sample the posterior by NUTS too.
-        progress: called with lines of text.
     """
-    progress = as_progress(progress)
-    several = len(result.variants) > 1
 
-    def examined(variant: VariantResult, progress: Progress) -> Examination:
+    def examined(variant: VariantResult) -> Examination:
         name = variant.variant.name
-        progress = progress.within(f"{name}: ") if several else progress
-        return _examine(result, variant, posterior, progress)
+        with within(f"{name}: " if len(result.variants) > 1 else ""):
+            return _examine(result, variant, posterior)
 
     models = [variant.objective.model for variant in result.variants]
-    return for_each_variant(models, examined, result.variants, progress)
+    with reporting_to(progress):
+        return for_each_variant(models, examined, result.variants)
 
 
 def _examine(
     result: StudyResult,
     variant: VariantResult,
     posterior: bool,
-    progress: Progress,
 ) -> Examination:
     study, objective, points = result.study, variant.objective, variant.points
     seed, inflation = study.seed, variant.uncertainty.inflation
-    draws = check(variant.draws, objective, inflation, progress)
+    draws = check(variant.draws, objective, inflation)
     fit, each = (objective, points, variant.uncertainty), None
     if np.sum(np.any(study.known, axis=1)) > 1:
-        each = leave_out_each(*fit, progress=progress)
+        each = leave_out_each(*fit)
     order = np.argsort(variant.start_costs, kind="stable")
     ends = variant.bounds.coordinate(variant.end_parameters[order])
-    campaigns = leave_out_campaigns(*fit, ends, progress=progress)
-    progress("further tests")
+    campaigns = leave_out_campaigns(*fit, ends)
+    tell("further tests")
     wanted = study.candidates
     single, together = (
         suggest_tests(
@@ -141,7 +138,7 @@ def _examine(
     )
     best, samples = draws, None
     if posterior:
-        samples = sample_posterior(variant, seed=seed, draws=draws, progress=progress)
+        samples = sample_posterior(variant, seed=seed, draws=draws)
         best = samples.thinned(COUNT) if samples.trusted else draws
     return Examination(
         residuals=residuals_of(objective, points, inflation),

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...progress import Progress
+from ...progress import within
 from ..estimation.least_squares import ROUGH, Fits
 from ..estimation.starts import fit
 from ..problem.bounds import Bounds
@@ -78,8 +78,9 @@ class LikelihoodProfile(NamedTuple):
     """Unknowns x of that cost."""
 
 
+@within("profiles, ")
 def profile_all(
-    objective: Objective, points: Points, uncertainty: Uncertainty, progress: Progress
+    objective: Objective, points: Points, uncertainty: Uncertainty
 ) -> list[LikelihoodProfile]:
     """Profile the soil's parameters about a fit (points of one lane), the points of all
     side by side: near the fit, and over the whole range where an interval extends
@@ -89,7 +90,6 @@ def profile_all(
     again from their neighbours.
     """
     rough, best = objective.rough().of_measured(), points.x[0]
-    progress = progress.within("profiles, ")
     errors, count = uncertainty.standard_errors, len(objective.study.parameters)
     follow = np.array(
         [_following(points.hessian[0], i, errors[i]) for i in range(count)]
@@ -103,8 +103,8 @@ def profile_all(
     values = _near(rough.bounds, best, errors, count)
     widened = np.zeros(count, bool)
     while True:
-        found = _fit_at(rough, found, values, follow, progress)
-        _fit_again(rough, found, follow, progress)
+        found = _fit_at(rough, found, values, follow)
+        _fit_again(rough, found, follow)
         bracketed = [_is_bracketed(found, uncertainty, i) for i in range(count)]
         wide = ~widened & ~np.array(bracketed)
         if not np.any(wide):
@@ -148,7 +148,6 @@ def _fit_at(
     found: _Fixed,
     values: list[np.ndarray],
     follow: np.ndarray,
-    progress: Progress,
 ) -> _Fixed:
     """Add fits with each parameter fixed at its values; the others start where the
     curvature predicts them."""
@@ -158,20 +157,18 @@ def _fit_at(
     best = np.repeat(found.x[:1], len(fixed), axis=0)
     starts = _moved(rough.bounds, best, fixed, np.concatenate(values), follow)
     free = np.arange(len(found.x[0])) != fixed[:, None]
-    fits = fit(rough, starts, free, rule=ROUGH, progress=progress)
+    fits = fit(rough, starts, free, rule=ROUGH)
     doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
     more = fits.points.x, fits.points.cost, fixed, doubtful
     return _Fixed(*map(np.concatenate, zip(found, more, strict=True)))
 
 
-def _fit_again(
-    rough: Objective, found: _Fixed, follow: np.ndarray, progress: Progress
-) -> None:
+def _fit_again(rough: Objective, found: _Fixed, follow: np.ndarray) -> None:
     """Fit points from their neighbours where these are lower, in place."""
     x, cost, fixed, doubtful = found
     for number in range(1, AGAIN + 1):
-        within = cost - np.min(cost) <= MATTERS * rough.unit(np.min(cost))
-        known = np.where(within, cost, np.inf)
+        matters = cost - np.min(cost) <= MATTERS * rough.unit(np.min(cost))
+        known = np.where(matters, cost, np.inf)
         lanes, others = _with_lower_neighbours(found._replace(cost=known))
         if not len(lanes):
             break
@@ -183,8 +180,8 @@ def _fit_again(
         if not len(lanes):
             break
         free = np.arange(x.shape[1]) != fixed[lanes][:, None]
-        tell = progress.within(f"again {number}, ")
-        again = fit(rough, begin, free, rule=ROUGH, progress=tell).points
+        with within(f"again {number}, "):
+            again = fit(rough, begin, free, rule=ROUGH).points
         doubtful[:] = False
         for lane, at, new in zip(lanes, again.x, again.cost, strict=True):
             if new < cost[lane] - LOWER * rough.unit(new):

@@ -33,9 +33,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...accuracy import PRESETS, Accuracy
-from ...progress import Progress
+from ...progress import within
 from ..estimation.sigma import LEAST_FREEDOM, freedom_of_targets
-from ..estimation.starts import SILENT
 from ..problem.noise import LOSSES
 from ..problem.objective import Objective, Points
 from .posterior import Draws, moments, normalised
@@ -77,7 +76,6 @@ def draw(
     *,
     count: int = COUNT,
     seed: int = 0,
-    progress: Progress = SILENT,
 ) -> Draws:
     """Sample the posterior about the best fit, and check the accuracy of the costs.
 
@@ -87,18 +85,17 @@ def draw(
         inflation: inflation of its covariance.
         count: number of draws a round.
         seed: seed of the random numbers.
-        progress: told a line of text each round.
     """
     draws = sample(
         *(objective, points, inflation),
         about=(objective, points),
         count=count,
         seed=seed,
-        progress=progress,
     )
-    return check(draws, objective, inflation, progress)
+    return check(draws, objective, inflation)
 
 
+@within("draws of the posterior: ")
 def sample(
     objective: Objective,
     points: Points,
@@ -109,7 +106,6 @@ def sample(
     parts: int = 1,
     count: int = COUNT,
     seed: int = 0,
-    progress: Progress = SILENT,
 ) -> Draws:
     """Sample as `draw`, at the lowest accuracy and without a check.
 
@@ -131,12 +127,11 @@ def sample(
 
     proposals = [_Proposal(np.zeros(size), np.eye(size))]
     drawn, fractions = [], []
-    progress = progress.within("draws of the posterior: ")
     for number in range(1, ROUNDS * parts + 1):
         standard, x, inside = _propose(random, proposals[-1], count // parts, between)
         proposals[-1] = proposals[-1]._replace(inside=inside)
-        tell = progress.within(f"round {number}, ")
-        drawn.append((standard, x, *at_first.values_by_parts(x, tell)[:2]))
+        with within(f"round {number}, "):
+            drawn.append((standard, x, *at_first.values_by_parts(x)[:2]))
         standard, x, cost, predicted = map(np.concatenate, zip(*drawn, strict=True))
         log_weight = -cost / inflation - _log_mixture(proposals, standard)
         weights = normalised(log_weight)
@@ -150,9 +145,8 @@ def sample(
     return Draws(x, log_weight, cost, predicted, part, accuracy, np.nan)
 
 
-def check(
-    draws: Draws, objective: Objective, inflation: float, progress: Progress = SILENT
-) -> Draws:
+@within("draws of the posterior: ")
+def check(draws: Draws, objective: Objective, inflation: float) -> Draws:
     """Compute some of the draws again more accurately; where that changes their costs,
     all of them, which changes their weights.
 
@@ -160,14 +154,12 @@ def check(
         draws: draws of `sample`.
         objective, inflation: those with which they were sampled.
     """
-    progress = progress.within("draws of the posterior: ")
-    tell = progress.within("some again, more accurately, ")
-    draws = draws._replace(error=_error_of(draws, objective, inflation, tell))
+    draws = draws._replace(error=_error_of(draws, objective, inflation))
     if not draws.rough:
         return draws
     closer = objective.at(LADDER[1])
-    tell = progress.within("all again, more accurately, ")
-    cost, predicted, _ = closer.values_by_parts(draws.x, tell)
+    with within("all again, more accurately, "):
+        cost, predicted, _ = closer.values_by_parts(draws.x)
     log_weights = draws.log_weights + (draws.cost - cost) / inflation
     part = 1.0 / (len(cost) * np.sum(normalised(log_weights) ** 2))
     draws = draws._replace(
@@ -177,8 +169,7 @@ def check(
         effective_fraction=np.append(draws.effective_fraction[:-1], part),
         accuracy=closer.accuracy,
     )
-    tell = progress.within("some again, more accurately, ")
-    return draws._replace(error=_error_of(draws, objective, inflation, tell))
+    return draws._replace(error=_error_of(draws, objective, inflation))
 
 
 class _Proposal(NamedTuple):
@@ -221,15 +212,14 @@ def _log_mixture(proposals: list[_Proposal], standard: np.ndarray) -> np.ndarray
     return np.logaddexp.reduce(densities, axis=0)
 
 
-def _error_of(
-    draws: Draws, objective: Objective, inflation: float, progress: Progress
-) -> float:
+@within("some again, more accurately, ")
+def _error_of(draws: Draws, objective: Objective, inflation: float) -> float:
     """Compute the error of the costs, on draws chosen by their weights."""
     sums = np.cumsum(draws.weights)
     places = (np.arange(CHECKED) + 0.5) / CHECKED * sums[-1]
     chosen = np.unique(np.searchsorted(sums, places))
     x, cost = draws.x[chosen], draws.cost[chosen]
-    return error_of_costs(objective.at(draws.accuracy), x, cost, inflation, progress)
+    return error_of_costs(objective.at(draws.accuracy), x, cost, inflation)
 
 
 def error_of_costs(
@@ -237,7 +227,6 @@ def error_of_costs(
     x: np.ndarray,
     cost: np.ndarray,
     inflation: float,
-    progress: Progress = SILENT,
 ) -> float:
     """Compute the largest error of the cost over s^2, against the next accuracy of the
     ladder. An error common to all changes no weight, and is subtracted.
@@ -246,10 +235,9 @@ def error_of_costs(
         x: points at which it is checked, shape (lanes, unknowns).
         cost: cost there by this objective, shape (lanes,).
         inflation: s^2.
-        progress: told a line of text now and then.
     """
     closer = objective.at(LADDER[LADDER.index(objective.accuracy) + 1])
-    apart = cost - closer.values_by_parts(x, progress)[0]
+    apart = cost - closer.values_by_parts(x)[0]
     return float(np.max(np.abs(apart - np.median(apart)))) / inflation
 
 

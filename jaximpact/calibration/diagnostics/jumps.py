@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...progress import SILENT, Progress
 from ..estimation.branches import NEAR, jump_shares, unit_without_jumps
 from ..estimation.least_squares import Fits
 from ..problem.objective import Objective
@@ -57,14 +56,12 @@ def judge(
     best: Fits,
     *,
     enough_below: float = -np.inf,
-    progress: Progress = SILENT,
 ) -> Judged:
     """Estimate the uncertainty of a fit of one lane: from its derivatives, or, beside a
     jump, from draws of the posterior.
 
     Args:
         enough_below: a cost; no more is drawn where a draw has a lower one.
-        progress: told lines of text.
     """
     shares = shares_of(objective, best)
     smooth = without_jumps(objective, shares)
@@ -76,7 +73,6 @@ def judge(
         enough_below=enough_below,
         parts=PARTS if np.any(shares > NEAR) else 1,
         seed=study.seed,
-        progress=progress,
     )
     jumps = np.any(shares > NEAR) or draws.effective_fraction[0] < NOT_NORMAL
     # Else the bounds would cut off the draws, and hide what is not determined.

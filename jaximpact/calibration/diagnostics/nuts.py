@@ -31,7 +31,7 @@ from scipy.special import logit
 from ..._jax_internals import namespace_of
 from ..._packages import version_of, versions
 from ...errors import InputError
-from ...progress import Progress, ProgressFunction, as_progress
+from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import TARGET_COLUMNS, columns_of
 from ..problem.bounds import Bounds
 from ..problem.forward_model import XLA
@@ -79,59 +79,57 @@ def sample_posterior(
         count: kept draws of each chain.
         seed: seed of the random numbers.
         draws: draws of `importance_sampling.draw` to start from; made if not given.
-        progress: called with lines of text.
 
     Equal arguments give equal numbers on one machine.
 
     Raises InputError without the extra, or where there is no machine code.
     """
     check_extra()
-    progress = as_progress(progress)
     inflation = fitted.uncertainty.inflation
     if fitted.objective.model.engine == XLA:
         raise InputError("sampling needs machine code, which these laws have not")
-    begin = time.perf_counter()
-    at_best = fitted.objective, fitted.points, inflation
-    draws = draws or draw(*at_best, seed=seed, progress=progress)
-    objective = fitted.objective.at(draws.accuracy)
-    bounds = objective.bounds
+    with reporting_to(progress):
+        begin = time.perf_counter()
+        at_best = fitted.objective, fitted.points, inflation
+        draws = draws or draw(*at_best, seed=seed)
+        objective = fitted.objective.at(draws.accuracy)
+        bounds = objective.bounds
 
-    def log_density(y: jax.Array) -> jax.Array:
-        # The logarithm of dx/dy, up to a constant.
-        slope = jax.nn.log_sigmoid(y) + jax.nn.log_sigmoid(-y)
-        return jnp.sum(slope) - objective.cost(_unknowns(bounds, y)) / inflation
+        def log_density(y: jax.Array) -> jax.Array:
+            # The logarithm of dx/dy, up to a constant.
+            slope = jax.nn.log_sigmoid(y) + jax.nn.log_sigmoid(-y)
+            return jnp.sum(slope) - objective.cost(_unknowns(bounds, y)) / inflation
 
-    y = logit(np.clip(bounds.fraction(draws.x), EDGE, 1.0 - EDGE))
-    chosen = np.random.default_rng(seed).choice(len(y), chains, p=draws.weights)
-    position, statistics = _run_chains(
-        log_density,
-        y[chosen],
-        moments(y, draws.weights)[1],
-        warmup=warmup,
-        count=count,
-        seed=seed,
-        progress=progress.within("sampling: "),
-    )
-    unknowns = _unknowns(objective.bounds, position)
-    arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
-    scale_reduction = np.array([float(arviz.rhat(values)) for values in each])
-    effective = np.array([float(arviz.ess(values)) for values in each])
-    x = unknowns.reshape(chains * count, -1)
-    cost, predicted, _ = objective.values_by_parts(x, progress.within("sampled: "))
-    progress("sampling: some of the draws again, more accurately")
-    every = -(-len(x) // CHECKED)
-    return Draws(
-        x=x,
-        log_weights=np.zeros(len(x)),
-        cost=cost,
-        predicted=predicted,
-        effective_fraction=np.minimum(1.0, [np.min(effective) / len(x)]),
-        accuracy=objective.accuracy,
-        error=error_of_costs(objective, x[::every], cost[::every], inflation),
-        chains=Chains(
-            statistics, scale_reduction, effective, time.perf_counter() - begin
-        ),
-    )
+        y = logit(np.clip(bounds.fraction(draws.x), EDGE, 1.0 - EDGE))
+        chosen = np.random.default_rng(seed).choice(len(y), chains, p=draws.weights)
+        position, statistics = _run_chains(
+            log_density,
+            y[chosen],
+            moments(y, draws.weights)[1],
+            warmup=warmup,
+            count=count,
+            seed=seed,
+        )
+        unknowns = _unknowns(objective.bounds, position)
+        arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
+        scale_reduction = np.array([float(arviz.rhat(values)) for values in each])
+        effective = np.array([float(arviz.ess(values)) for values in each])
+        x = unknowns.reshape(chains * count, -1)
+        with within("sampled: "):
+            cost, predicted, _ = objective.values_by_parts(x)
+        every = -(-len(x) // CHECKED)
+        return Draws(
+            x=x,
+            log_weights=np.zeros(len(x)),
+            cost=cost,
+            predicted=predicted,
+            effective_fraction=np.minimum(1.0, [np.min(effective) / len(x)]),
+            accuracy=objective.accuracy,
+            error=error_of_costs(objective, x[::every], cost[::every], inflation),
+            chains=Chains(
+                statistics, scale_reduction, effective, time.perf_counter() - begin
+            ),
+        )
 
 
 def _unknowns(bounds: Bounds, y):
@@ -140,6 +138,7 @@ def _unknowns(bounds: Bounds, y):
     return bounds.low + (bounds.high - bounds.low) * part
 
 
+@within("sampling: ")
 def _run_chains(
     log_density: Callable[[jax.Array], jax.Array],
     start: np.ndarray,
@@ -148,7 +147,6 @@ def _run_chains(
     warmup: int,
     count: int,
     seed: int,
-    progress: Progress,
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Adapt and run chains from points, shape (chains, unknowns), with a first inverse
     mass matrix: positions, shape (chains, draws, unknowns), and the statistics of
@@ -185,11 +183,11 @@ def _run_chains(
             key, state, log_density, step_size, mass, max_num_doublings=MOST_DOUBLINGS
         )
 
-    progress(f"warm-up of {warmup} draws")
+    tell(f"warm-up of {warmup} draws")
     state, *found = warm(jax.random.split(key_warmup, chains), jnp.asarray(start))
     rows = []
     for number in range(count):
-        progress(f"draw {number + 1} of {count}")
+        tell(f"draw {number + 1} of {count}")
         keys = jax.random.split(jax.random.fold_in(key, number), chains)
         state, info = step(keys, state, *found)
         row = (state.position, state.logdensity, info.is_divergent)

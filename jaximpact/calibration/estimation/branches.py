@@ -14,7 +14,7 @@ The lowest cost may lie at such a jump. Fits by derivatives stop somewhere along
 
 import numpy as np
 
-from ...progress import Progress
+from ...progress import tell, within
 from ..problem.objective import Objective, Points
 from .least_squares import ROUGH, Fits, Reason, levenberg_marquardt
 
@@ -174,7 +174,7 @@ def _apart(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.where(np.isnan(change), np.inf, change)
 
 
-def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+def descend_on_branches(objective: Objective, fits: Fits) -> Fits:
     """Descend from where a jump has stopped a fit: beyond it, or along it.
 
     Where one of many points about the fit, near and far, has a lower cost, a fit starts
@@ -199,13 +199,13 @@ def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) ->
         if begin.cost[0] >= fit.cost[0] - least:
             if fits.reasons[0].at_minimum or not np.any(near):
                 break
-            along = _descend_along(objective, fits, near, progress)
+            along = _descend_along(objective, fits, near)
             if along.points.cost[0] >= fit.cost[0] - least:
                 return along
             fits = along
             begin, steps = along.points, along.steps
-        say = progress.within(f"beyond a jump, {number}, ")
-        again = levenberg_marquardt(objective, begin.x, None, BEYOND, say)
+        with within(f"beyond a jump, {number}, "):
+            again = levenberg_marquardt(objective, begin.x, None, BEYOND)
         if again.points.cost[0] < fits.points.cost[0]:
             fits = again._replace(steps=again.steps + steps)
         elif fits.reasons[0].at_minimum:
@@ -213,14 +213,12 @@ def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) ->
     return fits
 
 
-def _descend_along(
-    objective: Objective, fits: Fits, near: np.ndarray, progress: Progress
-) -> Fits:
+def _descend_along(objective: Objective, fits: Fits, near: np.ndarray) -> Fits:
     """Descend along a jump, which a mask of tests are near."""
     fit, taken = fits.points, 0
     random = np.random.default_rng(objective.study.seed)
     for number in range(1, ROUNDS + 1):
-        progress(f"along a jump, step {number}: cost {fit.cost[0]:.6g}")
+        tell(f"along a jump, step {number}: cost {fit.cost[0]:.6g}")
         steps = _steps(objective, fit, random)
         if not len(steps):
             break

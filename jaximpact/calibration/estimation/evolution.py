@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...progress import Progress
+from ...progress import tell
 from ..problem.objective import Objective
 
 POPULATION, PER_UNKNOWN = 48, 6
@@ -58,9 +58,7 @@ def members_for(unknowns: int) -> int:
     return max(POPULATION, PER_UNKNOWN * unknowns)
 
 
-def evolve(
-    objective: Objective, x: np.ndarray, candidates: np.ndarray, progress: Progress
-) -> np.ndarray:
+def evolve(objective: Objective, x: np.ndarray, candidates: np.ndarray) -> np.ndarray:
     """Search between the bounds for the last population, (members, unknowns) in x, the
     best member first.
 
@@ -81,7 +79,7 @@ def evolve(
         found = robust.values(x).cost
         return np.where(np.isfinite(found), found, FAILED)
 
-    progress(f"screening {len(candidates)} candidates")
+    tell(f"screening {len(candidates)} candidates")
     first = _best(x, cost(x), members // 2)
     spread = _best(candidates, cost(candidates), members - len(first))
     generation = 0
@@ -89,7 +87,7 @@ def evolve(
     def is_together(intermediate_result) -> bool:
         nonlocal generation
         generation += 1
-        progress(
+        tell(
             f"generation {generation} of {members} candidates, lowest robust cost "
             f"{intermediate_result.fun:.6g}"
         )

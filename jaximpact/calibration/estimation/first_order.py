@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from ...progress import Progress
+from ...progress import tell
 from ..problem.objective import Objective, Points
 from .least_squares import Fits, Reason, step_line
 
@@ -24,7 +24,7 @@ LONGEST = 1.0
 """Largest change of an unknown in a step of L-BFGS, in x."""
 
 
-def adam(objective: Objective, x: np.ndarray, progress: Progress) -> Fits:
+def adam(objective: Objective, x: np.ndarray) -> Fits:
     """Minimise by Adam from every x; each fit keeps its best point."""
     schedule = optax.exponential_decay(ADAM_RATE, ADAM_DECAY_STEPS, ADAM_DECAY)
     optimiser = optax.adam(schedule)
@@ -34,7 +34,7 @@ def adam(objective: Objective, x: np.ndarray, progress: Progress) -> Fits:
     steps = np.zeros(len(x), int)
     for number in range(1, STEPS + 1):
         _stop(objective, now, reasons)
-        progress(step_line(number, best.cost, reasons))
+        tell(step_line(number, best.cost, reasons))
         going = np.array([reason is None for reason in reasons])
         if not np.any(going):
             break
@@ -47,7 +47,7 @@ def adam(objective: Objective, x: np.ndarray, progress: Progress) -> Fits:
     return Fits(best, [reason or Reason.step_limit for reason in reasons], steps)
 
 
-def l_bfgs(objective: Objective, x: np.ndarray, progress: Progress) -> Fits:
+def l_bfgs(objective: Objective, x: np.ndarray) -> Fits:
     """Minimise by L-BFGS from every x, with a backtracking line search."""
     optimiser = optax.scale_by_lbfgs()
     memory = jax.vmap(optimiser.init)(jnp.asarray(x))
@@ -57,7 +57,7 @@ def l_bfgs(objective: Objective, x: np.ndarray, progress: Progress) -> Fits:
     steps = np.zeros(len(x), int)
     for number in range(1, STEPS + 1):
         _stop(objective, now, reasons)
-        progress(step_line(number, now.cost, reasons))
+        tell(step_line(number, now.cost, reasons))
         going = np.array([reason is None for reason in reasons])
         if not np.any(going):
             break

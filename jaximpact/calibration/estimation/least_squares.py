@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...progress import Progress
+from ...progress import tell
 from ..problem.objective import Objective, Points
 from .linear_algebra import solve_positive
 
@@ -130,7 +130,6 @@ def levenberg_marquardt(
     x: np.ndarray,
     free: np.ndarray | None,
     rule: StoppingRule,
-    progress: Progress,
 ) -> Fits:
     r"""Fit from every x, shape (lanes, unknowns), until the stopping rule ends each.
 
@@ -160,7 +159,7 @@ def levenberg_marquardt(
             state.reasons[lane] = _reason(state, lane, *found, rule)
         if rule.joins and all_free:
             _join(objective, points, state)
-        progress(step_line(number, points.cost, state.reasons))
+        tell(step_line(number, points.cost, state.reasons))
         if number == rule.steps or not np.any(state.going):
             break
         on = state.going[going]

@@ -17,7 +17,7 @@ are updated in turn.
 
 import numpy as np
 
-from ...progress import Progress
+from ...progress import within
 from ..problem.config import Study
 from ..problem.noise import least_size, losses, root_mean_square, scale_of_normal
 from ..problem.objective import Objective, Points
@@ -151,14 +151,12 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
     return np.where(wanted, np.maximum(sigma, least), sigma)
 
 
-def settle(
-    objective: Objective, fits: Fits, fit, progress: Progress
-) -> tuple[Objective, Fits]:
+def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:
     """Update sigmas and fit in turn until they agree.
 
     Args:
         fits: the best fit, of one lane.
-        fit: called as `fit(objective, x, progress=...)`.
+        fit: called as `fit(objective, x)`.
     """
     if np.all(objective.study.sigma_given):
         return objective, fits
@@ -172,6 +170,6 @@ def settle(
         fits = Fits(points, fits.reasons, fits.steps)
         if change <= SETTLED:
             break
-        told = progress.within(f"errors of measurement, round {number}: ")
-        fits = fit(objective, points.x, progress=told)
+        with within(f"errors of measurement, round {number}: "):
+            fits = fit(objective, points.x)
     return objective, fits

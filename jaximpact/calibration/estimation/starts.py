@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import ndtri
 
-from ...progress import SILENT, Progress
+from ...progress import within
 from ..problem.bounds import Bounds
 from ..problem.config import Study
 from ..problem.objective import Objective, Points
@@ -74,7 +74,6 @@ def fit(
     *,
     method: str = "levenberg-marquardt",
     rule: StoppingRule = FINE,
-    progress: Progress = SILENT,
 ) -> Fits:
     """Fit from every x until the stopping rule ends each fit.
 
@@ -84,41 +83,39 @@ def fit(
             for Levenberg-Marquardt.
         method: one of `METHODS`.
         rule: stopping rule of Levenberg-Marquardt.
-        progress: called with a line of text after every step.
 
     Equal arguments give equal numbers on one machine.
     """
     if method == "levenberg-marquardt":
-        return levenberg_marquardt(objective, x, free, rule, progress)
+        return levenberg_marquardt(objective, x, free, rule)
     # optax takes its time to import, and few want it.
     from . import first_order
 
     by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
-    return by_gradient[method](objective, x, progress)
+    return by_gradient[method](objective, x)
 
 
-def fit_starts(
-    objective: Objective, x: np.ndarray, method: str, progress: Progress
-) -> Fits:
+def fit_starts(objective: Objective, x: np.ndarray, method: str) -> Fits:
     """Fit from every start roughly, to some of the tests where they are many; then fit
     to the end those that may be the best."""
     rough, many = objective.rough(), len(objective.study.measured) > MANY_TESTS
-    part, told = rough, progress
+    part, step = rough, ""
     if many:
-        some = some_tests(objective.study)
-        part, told = rough.of_tests(some), progress.within(f"{len(some)} tests, ")
-    own = fit(part, x, method=method, rule=ROUGH, progress=told)
-    fits = _search_together(part, own, method, told)
+        chosen = some_tests(objective.study)
+        part, step = rough.of_tests(chosen), f"{len(chosen)} tests, "
+    with within(step):
+        own = fit(part, x, method=method, rule=ROUGH)
+        fits = _search_together(part, own, method)
     if many:
-        ends = _fit_to_all(rough, part, fits, progress)
+        ends = _fit_to_all(rough, part, fits)
         if fits is not own:
             # What is best for some of the tests need not be for all.
-            other = _fit_to_all(rough, part, own, progress)
+            other = _fit_to_all(rough, part, own)
             lower = np.flatnonzero(other.points.cost < ends.points.cost)
             reasons = [other.reasons[lane] for lane in lower]
             ends = ends.ending(lower, other.points.take(lower), reasons)
         fits = ends
-    return polish(objective, fits, progress)
+    return polish(objective, fits)
 
 
 def some_tests(study: Study) -> np.ndarray:
@@ -133,9 +130,7 @@ def some_tests(study: Study) -> np.ndarray:
     return np.unique(np.concatenate(chosen))
 
 
-def _search_together(
-    objective: Objective, fits: Fits, method: str, progress: Progress
-) -> Fits:
+def _search_together(objective: Objective, fits: Fits, method: str) -> Fits:
     """Let the fits that ended above the best one search together, where they are many.
 
     They are part of a population (`evolution`), whose best members are fitted. All join
@@ -148,10 +143,10 @@ def _search_together(
     left = np.arange(len(cost)) if alone else np.flatnonzero(~running)
     if len(left) <= (1.0 - ENOUGH) * len(cost):
         return fits
-    population = _evolved(objective, fits.points.x, progress)
+    population = _evolved(objective, fits.points.x)
     members = population.x[population.found][:MEMBERS_FITTED]
-    progress = progress.within("best members, ")
-    again = fit(objective, members, method=method, rule=ROUGH, progress=progress)
+    with within("best members, "):
+        again = fit(objective, members, method=method, rule=ROUGH)
     best = again.points.take([again.best])
     found = np.resize(population.found, len(left))
     if np.mean(population.found) >= AGREED:
@@ -166,7 +161,7 @@ def _search_together(
     return fits.ending(left, best, reasons)._replace(steps=steps, restarts=restarts)
 
 
-def _evolved(objective: Objective, x: np.ndarray, progress: Progress) -> Population:
+def _evolved(objective: Objective, x: np.ndarray) -> Population:
     """Search from points x and from candidates spread as starts are."""
     study = objective.study
     candidates = spread_starts(
@@ -174,14 +169,13 @@ def _evolved(objective: Objective, x: np.ndarray, progress: Progress) -> Populat
         SCREENED * members_for(x.shape[1]),
         (study.seed, 1),
     )
-    found = evolve(objective, x, candidates, progress.within("search, "))
+    with within("search, "):
+        found = evolve(objective, x, candidates)
     points = robust_of(objective).values(found)
     return Population(points.x, points.cost)
 
 
-def _fit_to_all(
-    objective: Objective, part: Objective, fits: Fits, progress: Progress
-) -> Fits:
+def _fit_to_all(objective: Objective, part: Objective, fits: Fits) -> Fits:
     """Continue fits to some of the tests with all of them, where they ended at a
     minimum; leave the others as they are."""
     leader = _leaders(part, fits, np.arange(len(fits.reasons)))
@@ -192,12 +186,12 @@ def _fit_to_all(
         ended[np.argmin(ends.cost)] = True
     lanes = np.flatnonzero(ended[place])
     fits = fits._replace(points=ends.take(place))
-    return _continue(
-        objective, fits, lanes, leader[lanes], ROUGH, progress.within("all tests, ")
-    )
+    with within("all tests, "):
+        return _continue(objective, fits, lanes, leader[lanes], ROUGH)
 
 
-def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+@within("refining, ")
+def polish(objective: Objective, fits: Fits) -> Fits:
     """Fit those to the end that may be the best; those at one minimum continue as one.
 
     Of fits that a jump has stopped the lowest go on. The best one goes on along the
@@ -211,21 +205,20 @@ def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     ended = np.array([reason.at_minimum for reason in fits.reasons])
     chosen = np.isin(leader, first) | ended[leader]
     lanes, leader = lanes[chosen], leader[chosen]
-    progress = progress.within("refining, ")
     coarse = objective.no_finer_than_sigmas()
     if coarse is objective:
-        fits = _continue(objective, fits, lanes, leader, FINE, progress)
+        fits = _continue(objective, fits, lanes, leader, FINE)
     else:
         # Nearly all steps are taken where they cost a fraction.
-        fits = _continue(coarse, fits, lanes, leader, FINE, progress)
-        fits = _descended(coarse, fits, progress)
+        fits = _continue(coarse, fits, lanes, leader, FINE)
+        fits = _descended(coarse, fits)
         lanes = np.flatnonzero(_at_place(fits, fits.best))
         leader = np.full(len(lanes), fits.best)
         fits = _at_accuracy(objective, fits, lanes)
         if fits.reasons[fits.best] is not Reason.edge:
-            fits = _continue(objective, fits, lanes, leader, LAST, progress)
+            fits = _continue(objective, fits, lanes, leader, LAST)
     if not fits.reasons[fits.best].at_minimum:
-        fits = _descended(objective, fits, progress)
+        fits = _descended(objective, fits)
     return _join_on_branches(objective, fits)
 
 
@@ -243,12 +236,12 @@ def _at_accuracy(objective: Objective, fits: Fits, lanes: np.ndarray) -> Fits:
     return fits.ending([best], point, [reason])
 
 
-def fit_on(objective: Objective, x: np.ndarray, *, progress: Progress = SILENT) -> Fits:
+def fit_on(objective: Objective, x: np.ndarray) -> Fits:
     """Fit one lane from x, and along a jump where one stops it."""
-    fits = fit(objective, x, progress=progress)
+    fits = fit(objective, x)
     if fits.reasons[0].at_minimum:
         return fits
-    return descend_on_branches(objective, fits, progress)
+    return descend_on_branches(objective, fits)
 
 
 def with_origin(fits: Fits, origin: int, best: Fits) -> Fits:
@@ -263,10 +256,10 @@ def _at_place(fits: Fits, lane: int) -> np.ndarray:
     return np.all(fits.points.x == fits.points.x[lane], axis=1)
 
 
-def _descended(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+def _descended(objective: Objective, fits: Fits) -> Fits:
     """Continue the best fit along a jump that has stopped it."""
     best, steps = fits.best, fits.steps.copy()
-    one = descend_on_branches(objective, one_of(fits, best), progress)
+    one = descend_on_branches(objective, one_of(fits, best))
     steps[best] = one.steps[0]
     fits = _joined(fits, _at_place(fits, best), one.points)._replace(steps=steps)
     return fits.ending([best], one.points, one.reasons)
@@ -310,11 +303,10 @@ def _continue(
     lanes: np.ndarray,
     leader: np.ndarray,
     rule: StoppingRule,
-    progress: Progress,
 ) -> Fits:
     """Continue some lanes as their leaders, one fit for each leader."""
     leaders = np.unique(leader)
-    again = fit(objective, fits.points.x[leaders], rule=rule, progress=progress)
+    again = fit(objective, fits.points.x[leaders], rule=rule)
     steps = fits.steps.copy()
     steps[leaders] += again.steps
     fits = fits._replace(steps=steps).ending(leaders, again.points, again.reasons)

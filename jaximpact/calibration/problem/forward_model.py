@@ -13,7 +13,6 @@ from ..._types import Structure
 from ...accuracy import PRESETS, Accuracy
 from ...backend import MACHINE_CODE
 from ...backend.rows import prepare
-from ...progress import Progress, listening, telling
 from ...quantities import (
     CURVE_COLUMNS,
     DERIVED_COLUMNS,
@@ -295,9 +294,8 @@ def models_of(study: Study) -> list[ForwardModel]:
 
 def for_each_variant(
     models: Sequence[ForwardModel],
-    function: Callable[[Item, Progress], Result],
+    function: Callable[[Item], Result],
     variants: Sequence[Item],
-    progress: Progress,
 ) -> list[Result]:
     """Call a function of every variant, in threads where all have machine code.
 
@@ -307,6 +305,5 @@ def for_each_variant(
     """
     in_xla = any(model.engine == XLA for model in models)
     if in_xla or len(variants) == 1:
-        return [function(variant, progress) for variant in variants]
-    with telling(progress):
-        return run_in_threads(lambda item: function(item, listening()), variants)
+        return [function(variant) for variant in variants]
+    return run_in_threads(function, variants)

@@ -11,7 +11,6 @@ a lane.
 
 import copy
 import dataclasses
-from collections.abc import Callable
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -19,6 +18,7 @@ import numpy as np
 from jax import Array
 
 from ...accuracy import PRESETS, Accuracy
+from ...progress import tell
 from .config import Study, Variant
 from .forward_model import XLA, ForwardModel, bounds_of
 from .noise import losses
@@ -209,17 +209,13 @@ class Objective:
         return cost + 0.5 * jnp.sum(((p - self.prior_mean) / self.prior_sd) ** 2)
 
     def values_by_parts(
-        self, x: np.ndarray, progress: Callable[[str], object]
+        self, x: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Compute costs, predictions and outcomes of `values`, some lanes at a time.
-
-        Args:
-            progress: called with "200 of 512" before each part.
-        """
+        """Compute costs, predictions and outcomes of `values`, some draws at a time."""
         at_once = max(1, AT_ONCE // len(self.study.measured))
         parts = []
         for first in range(0, len(x), at_once):
-            progress(f"{first} of {len(x)}")
+            tell(f"{first} of {len(x)} draws")
             points = self.values(x[first : first + at_once])
             parts.append((points.cost, points.predicted, points.outcomes))
         cost, predicted, outcomes = map(np.concatenate, zip(*parts, strict=True))
