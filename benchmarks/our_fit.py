@@ -23,19 +23,19 @@ def main(started: str, path: str) -> None:
     jax.config.update("jax_enable_x64", True)
     from jaximpact.calibration import fit_study, read_study
     from jaximpact.calibration.problem.forward_model import models_of
-    from jaximpact.calibration.problem.program import Program
+    from jaximpact.calibration.problem.program import ImpactProgram
 
     imported, begin = time.time() - float(started), time.perf_counter()
     study = read_study(Path(path))
     models_of(study)
     compiled = time.perf_counter() - begin
-    counts, run = [], Program.run
+    counts, run = [], ImpactProgram.run
 
     def counted(program, rows, accuracy, *, derivatives):
         counts.append(len(rows.own))
         return run(program, rows, accuracy, derivatives=derivatives)
 
-    Program.run = counted
+    ImpactProgram.run = counted
     result = fit_study(study)
     tests = len(study.tests)
     # With one sigma the cost is half the sum of squares over it.

@@ -11,7 +11,7 @@ import numpy as np
 
 from .._checks import expect
 from ..errors import InputError
-from ..io.scene_table import SIGMA_COLUMNS, Table, read_table, table_of
+from ..io.scene_table import SIGMA_COLUMNS, SceneTable, read_table, table_of
 from ..io.toml import Key
 from ..parameters import Composite, Part, parts_of
 from ..quantities import (
@@ -38,7 +38,9 @@ MISSING = ("nan", "NaN", "<NA>", "NaT", "None")
 """Texts of numpy and pandas for a cell without a value."""
 
 
-def table_given(tests: str | os.PathLike | Mapping, base: Scene | None = None) -> Table:
+def table_given(
+    tests: str | os.PathLike | Mapping, base: Scene | None = None
+) -> SceneTable:
     """Make the table of tests.
 
     Args:

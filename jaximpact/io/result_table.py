@@ -20,7 +20,7 @@ from ..scene_quantities import scene_values
 from .files import refuse_inputs
 from .output_files import manifest_path, replacing_with_manifest
 from .parquet import is_parquet, write_columns
-from .scene_table import SLICE_ROWS, Table
+from .scene_table import SLICE_ROWS, SceneTable
 
 
 def outcomes_in_words(codes) -> np.ndarray:
@@ -44,7 +44,7 @@ def count_words(words: np.ndarray) -> dict[str, int]:
 @collector_paused()
 def write_results(
     path: Path,
-    table: Table,
+    table: SceneTable,
     summary: ImpactSummary,
     accuracy: Accuracy,
 ) -> None:
@@ -88,7 +88,7 @@ def write_results(
         os.fsync(file.fileno())
 
 
-def _columns(table: Table, summary: ImpactSummary) -> dict[str, np.ndarray]:
+def _columns(table: SceneTable, summary: ImpactSummary) -> dict[str, np.ndarray]:
     """Collect the columns of the table with its results: numbers, and texts."""
     names = next(csv.reader([table.header]))
     cells = zip(*csv.reader(table.rows), strict=True)
@@ -101,7 +101,7 @@ def _columns(table: Table, summary: ImpactSummary) -> dict[str, np.ndarray]:
     return columns | {OUTCOME_COLUMN: outcomes_in_words(summary.outcome_code)}
 
 
-def _lines(table: Table, summary: ImpactSummary) -> Iterator[Iterator[str]]:
+def _lines(table: SceneTable, summary: ImpactSummary) -> Iterator[Iterator[str]]:
     """Yield the lines of one slice of rows after another."""
     columns = [np.asarray(getattr(summary, c.field)) for c in RESULT_COLUMNS.values()]
     outcomes = outcomes_in_words(summary.outcome_code)

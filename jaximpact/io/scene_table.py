@@ -56,7 +56,7 @@ lies."""
 
 
 @dataclasses.dataclass(frozen=True)
-class Table:
+class SceneTable:
     """A checked table."""
 
     path: Path
@@ -78,7 +78,7 @@ class Table:
     """Each column of free text of a table of tests."""
     base: Scene
     """The laws, the shape of each row, and what stands for a missing column."""
-    beside: tuple["Table", ...] = ()
+    beside: tuple["SceneTable", ...] = ()
     """Tables of the files that rows name, as of curves."""
 
     def scene(self) -> Scene:
@@ -100,7 +100,7 @@ class Table:
 
 def read_table(
     path: Path, *, measured: bool = False, base: Scene | None = None
-) -> Table:
+) -> SceneTable:
     """Read a table of scenes: a CSV, or a file of Parquet by its name.
 
     A CSV is UTF-8, with or without a byte order mark, separated by commas, and its
@@ -134,7 +134,7 @@ def read_table(
 @collector_paused()
 def table_of(
     data: bytes, path: Path, *, measured: bool = False, base: Scene | None = None
-) -> Table:
+) -> SceneTable:
     """Read a table of the bytes of a CSV, as `read_table` reads them.
 
     Args:
@@ -180,7 +180,7 @@ def table_of(
     numbers = {name: np.concatenate(pieces) for name, pieces in parts.items()}
     lines = np.concatenate(starts)
     _warn_of_unusual(path, columns, numbers, lines)
-    return Table(
+    return SceneTable(
         path=path,
         sha256=hashlib.sha256(data).hexdigest(),
         header=header,

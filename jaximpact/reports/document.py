@@ -3,8 +3,8 @@ HTML that needs no other file.
 
 What a document says is written once, as a list of parts. A part is a paragraph (text),
 a list of points, a `Table`, a `Box`, a `Picture` or several side by side, or a
-`Section`; parts that are empty are left out. On a page sections are folded, and open
-where it is printed; in text pictures are left out.
+`ReportSection`; parts that are empty are left out. On a page sections are folded, and
+open where it is printed; in text pictures are left out.
 """
 
 import base64
@@ -47,7 +47,7 @@ class Picture(NamedTuple):
 
 
 @dataclasses.dataclass(frozen=True)
-class Section:
+class ReportSection:
     """Parts under a heading."""
 
     title: str
@@ -76,7 +76,7 @@ Part = (
     | Box
     | Picture
     | Sequence[Picture]
-    | Section
+    | ReportSection
     | Interactive
     | None
 )
@@ -88,7 +88,7 @@ class Document(NamedTuple):
     title: str
     answer: Sequence[Part]
     """First screen of the page: what was found, how sure, and what is wrong with it."""
-    sections: Sequence[Section]
+    sections: Sequence[ReportSection]
 
     def text(self) -> str:
         """Write the document as text."""
@@ -132,7 +132,7 @@ def _text(part: Part, level: int) -> str:
             return "\n".join(["", _wrapped(first), *(_indented(x) for x in others)])
         case Table():
             return part.text()
-        case Section(printed=True):
+        case ReportSection(printed=True):
             line = "\n" + "-" * len(part.title) if level < 3 else ""
             inner = (_text(one, level + 1) for one in _filled(part.parts))
             return "\n".join([f"\n{part.title}{line}", *inner])
@@ -190,7 +190,7 @@ def _html(part: Part, level: int) -> "Markup":
                 each('<th scope="col">{}</th>', part.columns),
                 each("<tr>{}</tr>\n", rows),
             )
-        case Section():
+        case ReportSection():
             inner = [_html(one, level + 1) for one in _filled(part.parts)]
             head = element(f"<h{level}>{{}}</h{level}>\n", part.title)
             return head + Markup("").join(inner)

@@ -45,7 +45,7 @@ LANES_OF_XLA = 512
 """Lanes that XLA takes at once, always so many."""
 
 
-class Program:
+class LaneProgram:
     """Loop over the steps of each lane: begin, step until the last, finish.
 
     Args:
@@ -174,8 +174,9 @@ class _Plan(NamedTuple):
 class ClosedProgram:
     """Program of a function without steps.
 
-    Called as a `Program` is. Results may be numbers of any type; all become floats. An
-    input that is also a result is not copied, and one that is not used costs nothing.
+    Called as a `LaneProgram` is. Results may be numbers of any type; all become floats.
+    An input that is also a result is not copied, and one that is not used costs
+    nothing.
     """
 
     def __init__(self, function: Callable):

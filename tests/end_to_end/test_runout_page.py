@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from jaximpact.reports.document import Document, Section
+from jaximpact.reports.document import Document, ReportSection
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
@@ -74,7 +74,9 @@ def test_what_is_folded_is_printed(tmp_path):
     """Lines of several pages, in a section that the browser shows folded."""
     page, target = tmp_path / "page.html", tmp_path / "page.pdf"
     lines = [f"line {number}" for number in range(200)]
-    page.write_text(Document("Long", ["short"], [Section("Folded", lines)]).page())
+    page.write_text(
+        Document("Long", ["short"], [ReportSection("Folded", lines)]).page()
+    )
     browse(page, tmp_path, f"--print-to-pdf={target}", place=0)
     printed = target.read_bytes()
     assert printed.startswith(b"%PDF")

@@ -12,7 +12,7 @@ from jaximpact.runout.blocks import Body, fly, select
 from jaximpact.runout.flight import time_of_impact as contact_search
 from jaximpact.runout.flight.flights import earliest, follow_flights
 from jaximpact.runout.flight.narrow_phase import Piece
-from jaximpact.runout.lane_programs import Program
+from jaximpact.runout.lane_programs import LaneProgram
 
 FASTEST = np.radians(20_000.0)
 AROUND = np.linspace(0.0, 2.0 * np.pi, 721)
@@ -197,7 +197,7 @@ def test_a_block_that_climbs_out_of_the_ground_comes_down_on_it():
 def test_a_search_that_runs_out_of_steps_says_so(monkeypatch):
     monkeypatch.setattr(contact_search, "MAX_STEPS", 2)
     # A function of its own: JAX keeps what it has traced by the function.
-    impatient = Program(
+    impatient = LaneProgram(
         contact_search.begin, lambda w: contact_search.step(w), contact_search.finish
     )
     body = Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, FASTEST)))

@@ -9,7 +9,7 @@ from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.estimation.starts import SOME_TESTS, some_tests
 from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
-from jaximpact.calibration.problem.program import SIZES, Program, _kept
+from jaximpact.calibration.problem.program import SIZES, ImpactProgram, _kept
 from jaximpact.quantities import INPUT_COLUMNS, leaf_places
 
 pytestmark = pytest.mark.slow
@@ -151,7 +151,7 @@ def test_a_derivative_without_bound_spoils_no_fit(study, monkeypatch):
     """It counts as none, like that of a result that could not be computed; the other
     lane and the other target keep theirs."""
 
-    run = Program.run
+    run = ImpactProgram.run
 
     def steep(*arguments, derivatives):
         values, outcomes, slopes = run(*arguments, derivatives=derivatives)
@@ -161,7 +161,7 @@ def test_a_derivative_without_bound_spoils_no_fit(study, monkeypatch):
     objective = Objective(study, study.variants[0], models_of(study)[0])
     x = objective.bounds.coordinate(SOILS)
     usual = objective(x)
-    monkeypatch.setattr(Program, "run", steep)
+    monkeypatch.setattr(ImpactProgram, "run", steep)
     found = objective(x)
     assert np.all(np.isfinite(found.hessian))
     assert np.all(np.isfinite(found.gradient))

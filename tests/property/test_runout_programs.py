@@ -19,7 +19,7 @@ from jaximpact.rebound import AbstractRebound
 from jaximpact.runout import blocks
 from jaximpact.runout.contacts import contact_models
 from jaximpact.runout.flight import time_of_impact
-from jaximpact.runout.lane_programs import ClosedProgram, Program, closed_form
+from jaximpact.runout.lane_programs import ClosedProgram, LaneProgram, closed_form
 
 LAW = """
 from jaximpact.parameters import parameter
@@ -72,8 +72,8 @@ def compiled(monkeypatch):
 
 def of_a_new_process(program):
     """The program without what this process has of it."""
-    if isinstance(program, Program):
-        return Program(*program.functions)
+    if isinstance(program, LaneProgram):
+        return LaneProgram(*program.functions)
     return ClosedProgram(program.function)
 
 
@@ -109,7 +109,7 @@ def test_a_loop_is_kept_by_its_functions(cache, compiled):
     assert len(compiled) == 1
     np.testing.assert_array_equal(value, expected)
     begin, step, finish = time_of_impact.search.functions
-    Program(begin, lambda state: step(state), finish)(*given)
+    LaneProgram(begin, lambda state: step(state), finish)(*given)
     assert len(compiled) == 2
 
 

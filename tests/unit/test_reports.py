@@ -14,7 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from jaximpact.accuracy import PRESETS
-from jaximpact.reports.document import Box, Document, Picture, Section
+from jaximpact.reports.document import Box, Document, Picture, ReportSection
 from jaximpact.reports.json_tree import json_text, plain
 from jaximpact.reports.tables import Table, cell_text, listed
 
@@ -90,10 +90,10 @@ def document():
             Picture(Figure, "what <it> shows", "caption & all"),
         ],
         [
-            Section("Empty", ["", [], None, Table(("a",), [])]),
-            Section("Inner", ["x", Section("Deep", [["one", "two"]])]),
-            Section("Long", [Table(("a < b",), [("$c$",), ("word " * 20,)])]),
-            Section("Page alone", ["secret"], printed=False),
+            ReportSection("Empty", ["", [], None, Table(("a",), [])]),
+            ReportSection("Inner", ["x", ReportSection("Deep", [["one", "two"]])]),
+            ReportSection("Long", [Table(("a < b",), [("$c$",), ("word " * 20,)])]),
+            ReportSection("Page alone", ["secret"], printed=False),
         ],
     )
 

@@ -13,7 +13,7 @@ from jaximpact.backend.simd.tables import address_of, entries
 from jaximpact.code_state import walk
 from jaximpact.runout import Profile
 from jaximpact.runout.covers import END, FAN, ROOT, Cover, cover_table
-from jaximpact.runout.lane_programs import Program, _ByXla
+from jaximpact.runout.lane_programs import LaneProgram, _ByXla
 
 TABLE = np.random.default_rng(0).normal(size=(40, 3))
 
@@ -39,7 +39,7 @@ def test_lanes_read_a_table():
     rows = np.arange(40.0)[::-1]
     products = np.cumsum(TABLE[:, 0] * TABLE[:, 2])[::-1]
     # rounding of 40 sums in another order
-    found = Program(add_up, add, total_of)(address_of(TABLE), rows)
+    found = LaneProgram(add_up, add, total_of)(address_of(TABLE), rows)
     np.testing.assert_allclose(found, products, rtol=0.0, atol=1e-13)
     structure = jax.tree.structure((0.0, 0.0))
     by_xla = _ByXla((add_up, add, total_of), structure)

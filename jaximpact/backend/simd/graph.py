@@ -60,7 +60,7 @@ def _divided(a: float, b: float) -> float:
     return math.copysign(math.inf, a) * math.copysign(1.0, b)
 
 
-class Operation(NamedTuple):
+class Instruction(NamedTuple):
     """An operation: its result for numbers, and its text in LLVM for vectors."""
 
     kind: str
@@ -78,24 +78,24 @@ def _read(address: int) -> float:
     raise AssertionError("memory is read while kernels run, not while they are built")
 
 
-def _compare(fold: Callable, predicate: str, commutes: bool = False) -> Operation:
-    return Operation(TRUTH, fold, f"fcmp {predicate} {{f}} {{0}}, {{1}}", commutes)
+def _compare(fold: Callable, predicate: str, commutes: bool = False) -> Instruction:
+    return Instruction(TRUTH, fold, f"fcmp {predicate} {{f}} {{0}}, {{1}}", commutes)
 
 
 # LLVM is not to put products and sums into one instruction: `llvm_ir` says which may.
 OPERATIONS = {
-    "add": Operation(FLOAT, operator.add, "fadd {f} {0}, {1}", True),
-    "subtract": Operation(FLOAT, operator.sub, "fsub {f} {0}, {1}"),
-    "multiply": Operation(FLOAT, operator.mul, "fmul {f} {0}, {1}", True),
-    "divide": Operation(FLOAT, _divided, "fdiv {f} {0}, {1}"),
-    "negate": Operation(FLOAT, operator.neg, "fneg {f} {0}"),
-    "magnitude": Operation(FLOAT, abs, "call {f} @llvm.fabs.v8f64({f} {0})"),
-    "root": Operation(
+    "add": Instruction(FLOAT, operator.add, "fadd {f} {0}, {1}", True),
+    "subtract": Instruction(FLOAT, operator.sub, "fsub {f} {0}, {1}"),
+    "multiply": Instruction(FLOAT, operator.mul, "fmul {f} {0}, {1}", True),
+    "divide": Instruction(FLOAT, _divided, "fdiv {f} {0}, {1}"),
+    "negate": Instruction(FLOAT, operator.neg, "fneg {f} {0}"),
+    "magnitude": Instruction(FLOAT, abs, "call {f} @llvm.fabs.v8f64({f} {0})"),
+    "root": Instruction(
         FLOAT,
         lambda x: math.sqrt(x) if x >= 0.0 else math.nan,
         "call {f} @llvm.sqrt.v8f64({f} {0})",
     ),
-    "fused": Operation(
+    "fused": Instruction(
         FLOAT,
         lambda a, b, c: a * b + c,
         "call {f} @llvm.fma.v8f64({f} {0}, {f} {1}, {f} {2})",
@@ -104,34 +104,36 @@ OPERATIONS = {
     "at_most": _compare(operator.le, "ole"),
     "equal": _compare(operator.eq, "oeq", True),
     "unlike": _compare(operator.ne, "une", True),
-    "and": Operation(TRUTH, operator.and_, "and {t} {0}, {1}", True),
-    "or": Operation(TRUTH, operator.or_, "or {t} {0}, {1}", True),
-    "differ": Operation(TRUTH, operator.ne, "xor {t} {0}, {1}", True),
-    "choose_float": Operation(FLOAT, _select, "select {t} {0}, {f} {1}, {f} {2}"),
-    "choose_integer": Operation(INTEGER, _select, "select {t} {0}, {i} {1}, {i} {2}"),
-    "choose_truth": Operation(TRUTH, _select, "select {t} {0}, {t} {1}, {t} {2}"),
-    "integer_add": Operation(
+    "and": Instruction(TRUTH, operator.and_, "and {t} {0}, {1}", True),
+    "or": Instruction(TRUTH, operator.or_, "or {t} {0}, {1}", True),
+    "differ": Instruction(TRUTH, operator.ne, "xor {t} {0}, {1}", True),
+    "choose_float": Instruction(FLOAT, _select, "select {t} {0}, {f} {1}, {f} {2}"),
+    "choose_integer": Instruction(INTEGER, _select, "select {t} {0}, {i} {1}, {i} {2}"),
+    "choose_truth": Instruction(TRUTH, _select, "select {t} {0}, {t} {1}, {t} {2}"),
+    "integer_add": Instruction(
         INTEGER, lambda a, b: _wrapped(a + b), "add {i} {0}, {1}", True
     ),
-    "integer_subtract": Operation(
+    "integer_subtract": Instruction(
         INTEGER, lambda a, b: _wrapped(a - b), "sub {i} {0}, {1}"
     ),
-    "integer_multiply": Operation(
+    "integer_multiply": Instruction(
         INTEGER, lambda a, b: _wrapped(a * b), "mul {i} {0}, {1}", True
     ),
-    "integer_less": Operation(TRUTH, operator.lt, "icmp slt {i} {0}, {1}"),
-    "integer_at_most": Operation(TRUTH, operator.le, "icmp sle {i} {0}, {1}"),
-    "integer_equal": Operation(TRUTH, operator.eq, "icmp eq {i} {0}, {1}", True),
-    "bits_and": Operation(INTEGER, operator.and_, "and {i} {0}, {1}", True),
-    "bits_or": Operation(INTEGER, operator.or_, "or {i} {0}, {1}", True),
-    "bits_differ": Operation(INTEGER, operator.xor, "xor {i} {0}, {1}", True),
-    "shift_left": Operation(INTEGER, lambda a, b: _wrapped(a << b), "shl {i} {0}, {1}"),
-    "shift_right": Operation(INTEGER, operator.rshift, "ashr {i} {0}, {1}"),
-    "to_float": Operation(FLOAT, float, "sitofp {i} {0} to {f}"),
-    "to_bits": Operation(INTEGER, bits_of, "bitcast {f} {0} to {i}"),
-    "from_bits": Operation(FLOAT, float_of, "bitcast {i} {0} to {f}"),
+    "integer_less": Instruction(TRUTH, operator.lt, "icmp slt {i} {0}, {1}"),
+    "integer_at_most": Instruction(TRUTH, operator.le, "icmp sle {i} {0}, {1}"),
+    "integer_equal": Instruction(TRUTH, operator.eq, "icmp eq {i} {0}, {1}", True),
+    "bits_and": Instruction(INTEGER, operator.and_, "and {i} {0}, {1}", True),
+    "bits_or": Instruction(INTEGER, operator.or_, "or {i} {0}, {1}", True),
+    "bits_differ": Instruction(INTEGER, operator.xor, "xor {i} {0}, {1}", True),
+    "shift_left": Instruction(
+        INTEGER, lambda a, b: _wrapped(a << b), "shl {i} {0}, {1}"
+    ),
+    "shift_right": Instruction(INTEGER, operator.rshift, "ashr {i} {0}, {1}"),
+    "to_float": Instruction(FLOAT, float, "sitofp {i} {0} to {f}"),
+    "to_bits": Instruction(INTEGER, bits_of, "bitcast {f} {0} to {i}"),
+    "from_bits": Instruction(FLOAT, float_of, "bitcast {i} {0} to {f}"),
     # Written as several instructions: see `llvm_ir`. An address is never known.
-    "entry": Operation(FLOAT, _read, ""),
+    "entry": Instruction(FLOAT, _read, ""),
 }
 
 

@@ -39,9 +39,9 @@ from ..problem.candidates import (
     checked_axes,
     checked_measure,
 )
-from ..problem.forward_model import ImpactResponse
+from ..problem.forward_model import ImpactModel
 from ..problem.noise import least_size
-from ..problem.program import OwnColumn, Rows, program_of
+from ..problem.program import ImpactRows, OwnColumn, program_of
 from .results import VariantResult
 from .uncertainty import bounds_information, regular_covariance
 
@@ -336,9 +336,9 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
         leaves,
         [OwnColumn(p.name, columns[p.name].factor, False) for p in study.parameters],
         [(tied, columns[tied.name].factor) for tied in study.tied],
-        ImpactResponse(targets),
+        ImpactModel(targets),
     )
-    rows = Rows(
+    rows = ImpactRows(
         np.tile(fitted.parameters[:soil], (count, 1)),
         leaves[program.varied].T,
         np.empty((count, 0)),

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...errors import InputError
-from ...io.scene_table import Table, read_table
+from ...io.scene_table import SceneTable, read_table
 from ...parameters import Part, parameters_of
 from ...quantities import (
     LABEL_COLUMNS,
@@ -37,7 +37,7 @@ LIMITS = {1: ">", -1: "<", 0: ""}
 class Measurements:
     """Tests in the order of their files and rows."""
 
-    files: tuple[Table, ...]
+    files: tuple[SceneTable, ...]
     base: Scene
     """Laws, and the shape of each test; its numbers have no meaning."""
     inputs: dict[str, np.ndarray]
@@ -81,7 +81,7 @@ class Measurements:
         return self.inputs.get(TIME_COLUMN, np.full(len(self), np.nan))
 
     @property
-    def sources(self) -> list[Table]:
+    def sources(self) -> list[SceneTable]:
         """Tables of all files that were read, those of curves too."""
         return [one for table in self.files for one in (table, *table.beside)]
 
@@ -192,7 +192,7 @@ def read_tests(paths: list[Path], base: Scene) -> Measurements:
     )
 
 
-def joined_tables(files: tuple[Table, ...]) -> Measurements:
+def joined_tables(files: tuple[SceneTable, ...]) -> Measurements:
     """Join tables of tests, with the points of their curves. Raises InputError where
     their laws differ, and for a file that is no curve."""
     files = tuple(with_curves(table) for table in files)
@@ -235,7 +235,7 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
     )
 
 
-def _joined_base(files: tuple[Table, ...]) -> Scene:
+def _joined_base(files: tuple[SceneTable, ...]) -> Scene:
     """Find the laws of all tables, and the shape of each of their rows."""
     base = files[0].base
     for table in files[1:]:

@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 
 from ...errors import InputError
-from ...io.scene_table import SIGMA_COLUMNS, Table, read_table
+from ...io.scene_table import SIGMA_COLUMNS, SceneTable, read_table
 from ...quantities import (
     CURVE_COLUMNS,
     CURVE_FILE,
@@ -24,7 +24,7 @@ OF_CURVES = (*CURVE_COLUMNS, *(SIGMA_PREFIX + name for name in CURVE_COLUMNS))
 """Columns of a curve's file, beside the time."""
 
 
-def with_curves(table: Table) -> Table:
+def with_curves(table: SceneTable) -> SceneTable:
     """Append the points of the curves that rows of a table of tests name.
 
     Raises InputError for a file that is no curve.
@@ -71,7 +71,7 @@ def with_curves(table: Table) -> Table:
     )
 
 
-def _read_curve(table: Table, row: int, name: str) -> Table:
+def _read_curve(table: SceneTable, row: int, name: str) -> SceneTable:
     """Read the file of a curve: times and forces, and their sigmas."""
     place = {"file": table.path, "row": int(table.lines[row]), "column": CURVE_FILE}
     path = table.path.parent / name

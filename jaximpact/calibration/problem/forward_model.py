@@ -29,7 +29,7 @@ from .bounds import Bounds
 from .config import Study
 from .dataset import Measurements
 from .derived_targets import derived
-from .program import OwnColumn, Program, Response, Rows, program_of
+from .program import ImpactProgram, ImpactRows, OwnColumn, Response, program_of
 
 XLA = "XLA"
 
@@ -77,7 +77,7 @@ def unknown_columns(study: Study) -> list[UnknownColumn]:
 class Impacts(NamedTuple):
     """Impacts of one shape among all of a study."""
 
-    program: Program
+    program: ImpactProgram
     places: np.ndarray
     """Indices among all impacts, shape (impacts,)."""
     leaves: np.ndarray
@@ -158,7 +158,7 @@ class ForwardModel:
         outcomes = np.empty((lanes, impacts))
         slopes = np.zeros((*results.shape, columns)) if derivatives else None
         for program, places, leaves in self.impacts:
-            rows = Rows(
+            rows = ImpactRows(
                 own[:, places].reshape(-1, columns),
                 np.tile(leaves, (lanes, 1)),
                 np.tile(self.times[places], (lanes, 1)),
@@ -237,7 +237,7 @@ def forward_models(
     ]
 
 
-class ImpactResponse(NamedTuple):
+class ImpactModel(NamedTuple):
     """The model of impacts."""
 
     targets: tuple[str, ...]
@@ -288,7 +288,7 @@ def models_of(study: Study) -> list[ForwardModel]:
     """Make the model of impacts for each variant of a study."""
     scenes = [study.scene_of(variant) for variant in study.variants]
     known = {name: c for scene in scenes for name, c in columns_of(scene).items()}
-    response = ImpactResponse(study.targets)
+    response = ImpactModel(study.targets)
     return forward_models(study, scenes, unknown_columns(study), known, response)
 
 

@@ -64,7 +64,7 @@ class OwnColumn(NamedTuple):
     """Whether the unknown is the logarithm of a factor on the column."""
 
 
-class Rows(NamedTuple):
+class ImpactRows(NamedTuple):
     """What differs between impacts, an array each, impacts first."""
 
     own: np.ndarray
@@ -75,7 +75,7 @@ class Rows(NamedTuple):
     """Times at which forces are wanted, infinite where none is, (impacts, times)."""
 
 
-class Program:
+class ImpactProgram:
     """Results of impacts that have one structure.
 
     Args:
@@ -120,7 +120,7 @@ class Program:
         self, own: Array, leaves: Array, times: Array, accuracy: Accuracy
     ) -> tuple[Array, Array]:
         """Compute results (impacts, results) and codes of the outcomes (impacts,);
-        arguments are those of `Rows`."""
+        arguments are those of `ImpactRows`."""
         values: list[Any] = list(self.constants)
         for number, place in enumerate(self.varied):
             values[place] = leaves[:, number]
@@ -155,7 +155,7 @@ class Program:
         return results, outcome, jax.vmap(along, out_axes=2)(columns)
 
     def run(
-        self, rows: Rows, accuracy: Accuracy, *, derivatives: bool
+        self, rows: ImpactRows, accuracy: Accuracy, *, derivatives: bool
     ) -> list[np.ndarray]:
         """Compute many impacts: results (impacts, results), codes of the outcomes
         (impacts,) and, if wanted, derivatives (impacts, results, columns)."""
@@ -163,17 +163,17 @@ class Program:
         compiled = self._of(accuracy, derivatives)
         parts = []
         for first in range(0, len(rows.own), sizes[-1]):
-            part = Rows(*(values[first : first + sizes[-1]] for values in rows))
+            part = ImpactRows(*(values[first : first + sizes[-1]] for values in rows))
             count = len(part.own)
             size = next(size for size in sizes if size >= count)
             found = compiled(*self._filled(part, size))
             parts.append([np.asarray(values)[:count] for values in found])
         return [np.concatenate(found) for found in zip(*parts, strict=True)]
 
-    def _filled(self, rows: Rows, size: int) -> Rows:
+    def _filled(self, rows: ImpactRows, size: int) -> ImpactRows:
         """Append impacts without speed; in XLA, where these take long, others again."""
         count = len(rows.own)
-        filled = Rows(
+        filled = ImpactRows(
             *(np.resize(values, (size, *values.shape[1:])) for values in rows)
         )
         if self.in_xla:
@@ -199,11 +199,11 @@ class Program:
 
 
 @functools.lru_cache(maxsize=64)
-def _kept(*arguments) -> Program:
-    return Program(*arguments)
+def _kept(*arguments) -> ImpactProgram:
+    return ImpactProgram(*arguments)
 
 
-def _made_again(template: Any, *arguments) -> Program:
+def _made_again(template: Any, *arguments) -> ImpactProgram:
     return _kept(jax.tree.structure(template), *arguments)
 
 
@@ -216,7 +216,7 @@ def program_of(
     columns: Sequence[OwnColumn],
     tied: Sequence[tuple[Tied, float]],
     response: Response,
-) -> Program:
+) -> ImpactProgram:
     """Make a program, or return the one that this process has made of the same.
 
     Args:

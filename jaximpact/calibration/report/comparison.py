@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from ...reports.document import Box, Part, Picture, Section
+from ...reports.document import Box, Part, Picture, ReportSection
 from ...reports.tables import Table, listed
 from ..comparison.comparison import Compared, GroupScores
 from ..comparison.ranking import ERRORS, FEWEST_UNITS, SMALL_DIFFERENCE, Ranking
@@ -117,11 +117,11 @@ def comparison_parts(compared: Compared) -> list[Part]:
         f"summed; larger is better. {RULE}"
     )
     groups = [
-        Section(f"Scores by {scores.by}", [_group_table(compared, scores)])
+        ReportSection(f"Scores by {scores.by}", [_group_table(compared, scores)])
         for scores in compared.by_group
     ]
     box = Box("verdict", ["Which law the tests prefer", *verdict(compared)])
-    fitted = Section("Fitted parameters", [_fitted_table(compared)])
+    fitted = ReportSection("Fitted parameters", [_fitted_table(compared)])
     return [box, *notes, _score_table(compared), *groups, fitted]
 
 

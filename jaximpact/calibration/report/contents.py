@@ -10,7 +10,7 @@ from ..._packages import versions
 from ...accuracy import PRESETS
 from ...identity import name_of
 from ...quantities import INPUT_COLUMNS
-from ...reports.document import Box, Document, Part, Section
+from ...reports.document import Box, Document, Part, ReportSection
 from ...reports.tables import Table
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import (
@@ -43,10 +43,10 @@ def summary(result: StudyResult, examined: list[Examination]) -> Document:
     for variant, diagnostics in zip(result.variants, examined, strict=True):
         several = len(result.variants) > 1
         inner: list[Part] = [
-            Section("Parameters", [parameter_table(variant, short=True)]),
+            ReportSection("Parameters", [parameter_table(variant, short=True)]),
             nuisances(variant),
-            Section("Correlations", [correlated_pairs(variant)]),
-            Section(
+            ReportSection("Correlations", [correlated_pairs(variant)]),
+            ReportSection(
                 "Fit (predicted less measured)",
                 [target_table(result, variant, diagnostics.each)],
             ),
@@ -60,7 +60,7 @@ def summary(result: StudyResult, examined: list[Examination]) -> Document:
             ),
             warning_box(warnings_of(result, variant, diagnostics)),
         ]
-        parts += [Section(variant.variant.name, inner)] if several else inner
+        parts += [ReportSection(variant.variant.name, inner)] if several else inner
     return Document("", parts, [])
 
 
@@ -69,10 +69,10 @@ def warning_box(lines: list[str], of: str = "") -> Box | None:
     return Box("warning", [f"Warnings{of}", *lines]) if lines else None
 
 
-def nuisances(variant: VariantResult) -> Section:
+def nuisances(variant: VariantResult) -> ReportSection:
     """Make the section on nuisance parameters; empty without any."""
     title = "Nuisance parameters, under their priors"
-    return Section(title, [nuisance_table(variant)])
+    return ReportSection(title, [nuisance_table(variant)])
 
 
 # --- What was fitted to what. ---

@@ -8,7 +8,7 @@ from ..._packages import versions
 from ...identity import part_names
 from ...io.files import put_text, refuse_inputs, replacing
 from ...io.output_files import manifest_path
-from ...reports.document import Document, Part, Section
+from ...reports.document import Document, Part, ReportSection
 from ...reports.json_tree import json_text, plain
 from ...reports.tables import Table, listed
 from ..comparison.fitted_law import LawPrediction
@@ -50,17 +50,17 @@ def prediction_report(prediction: PredictedTests) -> Document:
         scored[name if several else ""] = scores
         tests = _test_table(prediction, variant) if few else None
         inner: list[Part] = [
-            Section("Scores (predicted less measured)", [_score_table(scores)]),
-            Section("Remarks", [remarks_on(prediction, variant, scores)]),
-            Section("Tests: median (95 %); measured", [tests]),
+            ReportSection("Scores (predicted less measured)", [_score_table(scores)]),
+            ReportSection("Remarks", [remarks_on(prediction, variant, scores)]),
+            ReportSection("Tests: median (95 %); measured", [tests]),
         ]
-        parts += [Section(name, inner)] if several else inner
+        parts += [ReportSection(name, inner)] if several else inner
     tests = simple_table(prediction) if few else None
     laws = [
         *_simple_laws(prediction, scored),
-        Section("Tests by simple laws: best (95 %)", [tests]),
+        ReportSection("Tests by simple laws: best (95 %)", [tests]),
     ]
-    parts.append(Section("Simple laws fitted to the same tests", laws))
+    parts.append(ReportSection("Simple laws fitted to the same tests", laws))
     return Document("", parts, [])
 
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from ...quantities import TARGET_COLUMNS
-from ...reports.document import Box, Document, Part, Picture, Section
+from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ..comparison.comparison import Compared
 from ..diagnostics import cross_validation, further_tests, residuals
 from ..diagnostics.examination import Examination, warnings_of
@@ -37,7 +37,7 @@ def study_report(
         sections["Variants"] = [contents.variant_table(result)]
     for variant, diagnostics in zip(result.variants, examined, strict=True):
         for title, parts in _sections(result, variant, diagnostics):
-            inner = [Section(variant.variant.name, parts)] if several else parts
+            inner = [ReportSection(variant.variant.name, parts)] if several else parts
             sections.setdefault(title, []).extend(inner)
     if compared is not None:
         parts = [*comparison_parts(compared), comparison_picture(compared)]
@@ -50,7 +50,7 @@ def study_report(
     return Document(
         result.study.title,
         _answer(result, examined, compared),
-        [Section(title, parts) for title, parts in sections.items()],
+        [ReportSection(title, parts) for title, parts in sections.items()],
     )
 
 
@@ -166,8 +166,8 @@ def _parameters(
         parameters.parameter_table(variant),
         PROFILES,
         profiles,
-        Section(combinations, [variant.directions]),
-        Section(
+        ReportSection(combinations, [variant.directions]),
+        ReportSection(
             "Correlation",
             [
                 parameters.correlation_table(variant),
@@ -175,7 +175,7 @@ def _parameters(
                 parameters.about_draws(result, variant, draws),
             ],
         ),
-        Section("Posterior", parameters.about_posterior(variant, diagnostics)),
+        ReportSection("Posterior", parameters.about_posterior(variant, diagnostics)),
         contents.nuisances(variant),
     ]
 
@@ -218,7 +218,7 @@ def _further(diagnostics: Examination) -> list[Part]:
         f"Of {len(single.volumes)} candidate impacts, those chosen one after the other "
         f"that minimise {CRITERIA[single.criterion]}. Errors are relative to the "
         "value, or to half the range.",
-        Section(
+        ReportSection(
             "One result measured in each test",
             [further_tests.in_words(single), further_tests.as_table(single)],
         ),
@@ -226,7 +226,7 @@ def _further(diagnostics: Examination) -> list[Part]:
     if together.ways != single.ways:
         first = further_tests.in_words(together)[:1]
         table = further_tests.as_table(together)
-        parts.append(Section("All of them measured in each test", [first, table]))
+        parts.append(ReportSection("All of them measured in each test", [first, table]))
     if single.fixed:
         fixed = ", ".join(f"{name} {value:.4g}" for name, value in single.fixed.items())
         parts.append(f"In common: {fixed}.")

@@ -31,7 +31,7 @@ from .observed import (
     PASSAGE_COLUMNS,
     PER_PLACE,
     STOP_COLUMN,
-    Observed,
+    Observations,
     ObservedCount,
     ObservedPassages,
     ObservedStops,
@@ -141,7 +141,7 @@ PROBABILITIES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
 STATISTICS = (*(f"{p:.0%} quantile" for p in PROBABILITIES), "mean", "spread", "number")
 
 
-def summary_names(observed: Observed) -> list[str]:
+def summary_names(observed: Observations) -> list[str]:
     """List the names of the summary statistics."""
     names = []
     for channel in observed.fitted:
@@ -152,7 +152,7 @@ def summary_names(observed: Observed) -> list[str]:
     return names
 
 
-def observed_summary(observed: Observed) -> np.ndarray:
+def observed_summary(observed: Observations) -> np.ndarray:
     """Compute the summary statistics of what was observed, `(statistics,)`."""
     parts = []
     for channel in observed.fitted:
@@ -168,7 +168,7 @@ def observed_summary(observed: Observed) -> np.ndarray:
 
 
 def simulated_summaries(
-    observed: Observed, outcomes: np.ndarray, places: list[float], seed: int
+    observed: Observations, outcomes: np.ndarray, places: list[float], seed: int
 ) -> np.ndarray:
     """Compute the summary statistics of simulated data sets, `(data sets, statistics)`.
 
@@ -197,7 +197,7 @@ def simulated_summaries(
 
 
 def measured(
-    observed: Observed,
+    observed: Observations,
     channel: ObservedStops | ObservedPassages,
     outcomes: np.ndarray,
     places: list[float],

@@ -87,7 +87,7 @@ class ObservedCount(NamedTuple):
         return f"share past x = {self.place:g} m"
 
 
-class Observed(NamedTuple):
+class Observations(NamedTuple):
     """All that was observed on a slope."""
 
     channels: tuple[ObservedStops | ObservedPassages | ObservedCount, ...]
@@ -118,7 +118,9 @@ def is_held_out(channel: ObservedStops | ObservedPassages | ObservedCount) -> bo
     return isinstance(channel, ObservedPassages) and channel.held_out
 
 
-def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Observed:
+def read_observed(
+    path: Path, content: dict, profile: Profile, seed: int
+) -> Observations:
     """Read the table [observed] of a study, and the files that it names.
 
     Args:
@@ -167,7 +169,7 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
     sigma = _sigma(key, table)
     for remark in remarks:
         warnings.warn(f"{path}: {remark}", stacklevel=2)
-    return Observed(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
+    return Observations(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
 
 
 def _thinned(

@@ -24,7 +24,7 @@ from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
 from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
-from .observed import PER_PLACE, TABLE, Observed, ObservedStops, read_observed
+from .observed import PER_PLACE, TABLE, Observations, ObservedStops, read_observed
 
 FIT, CONTACTS = "fit", "contacts"
 DATA_SETS_KEY = "data_sets"
@@ -61,7 +61,7 @@ class SlopeFit:
     slope: SlopeInput
     """Ground, blocks, releases and law, with priors in place of what is fitted."""
     parameters: tuple[SlopeParameter, ...]
-    observed: Observed
+    observed: Observations
     barriers: tuple[Barrier, ...]
     data_sets: int
     """Number of data sets behind the posterior."""

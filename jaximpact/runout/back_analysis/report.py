@@ -8,7 +8,7 @@ import numpy as np
 from ..._packages import versions
 from ...io.files import write_text
 from ...io.output_files import NewFile
-from ...reports.document import Box, Document, Part, Picture, Section
+from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
 from ...reports.tables import Table, interval_text, number_text
 from ..study.barriers import (
@@ -81,7 +81,7 @@ def report(result: SlopeCalibration) -> Document:
         *channels[:1],
     ]
     sections = [
-        Section(
+        ReportSection(
             "Parameters",
             [
                 _parameters(posterior.fitted),
@@ -89,15 +89,15 @@ def report(result: SlopeCalibration) -> Document:
                 f"as probabilities under the prior; from {WIDE:g} on the observations "
                 "do not determine a parameter.",
                 marginals,
-                Section("Correlation of ranks", [_correlation(result)]),
+                ReportSection("Correlation of ranks", [_correlation(result)]),
             ],
         ),
-        Section(
+        ReportSection(
             "Observed and predicted", [_check(result), _channels(result), channels]
         ),
-        Section("Barriers", _barriers(result)),
-        Section("Exceedance", _curves(result)),
-        Section(
+        ReportSection("Barriers", _barriers(result)),
+        ReportSection("Exceedance", _curves(result)),
+        ReportSection(
             "Are the intervals right?",
             [
                 f"The {posterior.left_out} data sets most like the observed one were "
@@ -106,8 +106,8 @@ def report(result: SlopeCalibration) -> Document:
                 _coverage(posterior.fitted),
             ],
         ),
-        Section("How it was found, and what it assumes", [_how(result)]),
-        Section("Computed from", [_origin(result)]),
+        ReportSection("How it was found, and what it assumes", [_how(result)]),
+        ReportSection("Computed from", [_origin(result)]),
     ]
     return Document(fit.title, answer, sections)
 

@@ -39,7 +39,7 @@ AHEAD = 0.5
 """Fraction of its size that a block moves before it has to watch other segments."""
 
 
-class Candidates(NamedTuple):
+class NearSegments(NamedTuple):
     """Segments that a search has to watch."""
 
     pieces: tuple[Piece, ...]
@@ -52,7 +52,7 @@ class Candidates(NamedTuple):
 
 def watched_segments(
     body: Body, largest: Values, profile: Profile
-) -> Iterator[tuple[np.ndarray, Candidates | None]]:
+) -> Iterator[tuple[np.ndarray, NearSegments | None]]:
     """Choose the segments that each lane has to watch to move by a good part of its
     size.
 
@@ -126,7 +126,7 @@ def _count_in_reach(body: Body, largest: Values, times: np.ndarray) -> np.ndarra
     return np.count_nonzero(times <= horizon[:, None], axis=1)
 
 
-def _nearest_segments(times: np.ndarray, count: int, profile: Profile) -> Candidates:
+def _nearest_segments(times: np.ndarray, count: int, profile: Profile) -> NearSegments:
     """Choose the segments that can be reached first, at these times."""
     if count >= profile.segments:
         order = np.full((len(times), count), -1)
@@ -143,7 +143,7 @@ def _nearest_segments(times: np.ndarray, count: int, profile: Profile) -> Candid
         pieces.append(
             Piece(*(np.where(there, a, b) for a, b in zip(ends, FAR, strict=True)))
         )
-    return Candidates(tuple(pieces), order, until)
+    return NearSegments(tuple(pieces), order, until)
 
 
 class FlightEnd(NamedTuple):
@@ -252,7 +252,7 @@ def _search(
     now: Body,
     outline: BlockOutline,
     profile: Profile,
-    watched: Candidates | None,
+    watched: NearSegments | None,
     limit: np.ndarray,
 ) -> None:
     """Advance some flights, as far as the segments that they watch allow; without

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 
 from ..blocks import BlockOutline, Body, fly
 from ..covers import END, ROOT, node
-from ..lane_programs import Program, Values
+from ..lane_programs import LaneProgram, Values
 from . import time_of_impact
 from .narrow_phase import (
     Gap,
@@ -168,5 +168,5 @@ def finish(now: GroundSearch) -> FirstContact:
     return reported(now.until, now.touched, now.given_up, now.segment, now.gap)
 
 
-first_contact = Program(begin, step, finish)
+first_contact = LaneProgram(begin, step, finish)
 """`first_contact(body, outline, tree, scale, until)`; see `begin`."""

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, fly
-from ..lane_programs import Program, Values
+from ..lane_programs import LaneProgram, Values
 from .narrow_phase import (
     NEVER,
     Gap,
@@ -192,5 +192,5 @@ def reported(
     )
 
 
-search = Program(begin, step, finish)
+search = LaneProgram(begin, step, finish)
 """`search(body, outline, pieces, scale, until)`; see `begin`."""

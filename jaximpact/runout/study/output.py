@@ -11,7 +11,7 @@ from ...io.datasets import write_netcdf
 from ...io.files import write_text
 from ...io.output_files import NewFile
 from ...plotting.style import save_figure
-from ...reports.document import Box, Document, Part, Picture, Section
+from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
 from ...reports.tables import Table
 from ..trajectory import Ending
@@ -198,11 +198,11 @@ def comparison_report(
     ]
     collectors = first.collector.values if "collector" in first.sizes else ()
     sections = [
-        Section(f"First passages at x = {x:g} m", _passages(datasets, place))
+        ReportSection(f"First passages at x = {x:g} m", _passages(datasets, place))
         for place, x in enumerate(collectors)
     ]
     sections += [
-        Section(f"Barriers by {law}", [effect_table(estimates_of(dataset))])
+        ReportSection(f"Barriers by {law}", [effect_table(estimates_of(dataset))])
         for law, dataset in datasets.items()
     ]
     return Document(first.title, answer, sections)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from ...reports.document import Box, Document, Interactive, Part, Section
+from ...reports.document import Box, Document, Interactive, Part, ReportSection
 from ...reports.tables import Table, interval_text, listed
 from ...scene_quantities import SHAPE
 from ..contacts.contact_models import ClosedForm
@@ -82,24 +82,24 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
     }
     alike = "Ground along the profile, where it is alike for all blocks"
     sections = [
-        Section(
+        ReportSection(
             "Exceedance at any place",
             [CURVES, Interactive(PACKAGE, "exceedance.jinja", curves)],
             printed=False,
         ),
-        Section("Endings", [_ending_table(dataset), _stops(dataset)]),
-        Section("Collectors", _collectors(dataset)),
-        Section("Barriers", barrier_parts(estimates)),
-        Section(
+        ReportSection("Endings", [_ending_table(dataset), _stops(dataset)]),
+        ReportSection("Collectors", _collectors(dataset)),
+        ReportSection("Barriers", barrier_parts(estimates)),
+        ReportSection(
             "Settings",
             [
                 _settings(study),
-                Section("Blocks and releases", [_inputs(dataset)]),
-                Section(alike, [_grounds(study)]),
+                ReportSection("Blocks and releases", [_inputs(dataset)]),
+                ReportSection(alike, [_grounds(study)]),
             ],
             printed=False,
         ),
-        Section("Computed from", [_origin(dataset)], printed=False),
+        ReportSection("Computed from", [_origin(dataset)], printed=False),
     ]
     return Document(study.inputs.title, answer, sections)
 
