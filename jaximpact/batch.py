@@ -8,7 +8,6 @@ import concurrent.futures
 import contextlib
 import dataclasses
 import hashlib
-import threading
 import time
 from pathlib import Path
 
@@ -122,7 +121,10 @@ def simulate_batch(
         missing = np.flatnonzero(collector.missing)
         begin = started = time.perf_counter()
         if executor is None:
-            name = _prepare(scene, setting, ledger)
+            # Nothing is compiled for what a journal has already.
+            name = (
+                _prepare(_at(scene, missing), setting, ledger) if len(missing) else ""
+            )
             started = time.perf_counter()
             for part in in_parts(missing):
                 rows = compute_part(_at(scene, part), len(part), setting, ledger)
@@ -202,8 +204,8 @@ def summary_of(rows: np.ndarray, ledger: bool = False) -> ImpactSummary:
 
 
 class Collector:
-    """Numbers of impacts, as they come from any thread, kept in a journal if there is
-    one; what this holds already is not missing.
+    """Numbers of impacts, as they come, kept in a journal if there is one; what this
+    holds already is not missing.
 
     Args:
         width: how many numbers an impact has.
@@ -222,16 +224,14 @@ class Collector:
         self.missing = np.ones(count, bool)
         self._journal, self._progress = journal, listening()
         self._what, self._done = what, 0
-        self._lock = threading.Lock()
         if journal is not None:
             self._add(*journal.rows())
 
     def take(self, places: np.ndarray, rows: np.ndarray) -> None:
         """Take the numbers of some impacts, shape (places, width)."""
-        with self._lock:
-            if self._journal is not None:
-                self._journal.append(places, rows)
-            self._add(places, rows)
+        if self._journal is not None:
+            self._journal.append(places, rows)
+        self._add(places, rows)
 
     def under_way(self, done: int, total: int) -> None:
         """Tell the progress of a part, whose numbers come when all its `total` are

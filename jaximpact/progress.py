@@ -61,8 +61,8 @@ def reporting_to(progress: Progress | ProgressFunction | None) -> Iterator[None]
 
 @contextlib.contextmanager
 def within(step: str) -> Iterator[None]:
-    """Begin the lines that the work inside tells with the name of a step; also as a
-    decorator."""
+    """Put the name of a step in front of all lines that the work inside tells; also as
+    a decorator."""
     with telling(listening().within(step)):
         yield
 

@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from pathlib import Path
 
 from jaximpact.cli import Parser, main, options
 from jaximpact.cli.progress import say
@@ -11,6 +10,8 @@ from jaximpact.interruption import ending_on_signals, resumable
 from jaximpact.io.files import make_directory, write_text
 
 ACCURACY = "reference"
+KEPT = "made if need be; files of the same names are replaced"
+"""Which directory takes results."""
 FIGURES = """\
 Compute and draw figures 4 to 14 of Dattola, Crosta and di Prisco (2023).
 
@@ -46,7 +47,7 @@ def make_parser() -> Parser:
         help="figures 4 to 14",
         description=_figures_help,
     )
-    _add_directory(figures, "drawings and tables", required=True)
+    options.add_directory(figures, "drawings and tables", which=KEPT)
     options.add_only(figures, "N", "numbers of figures")
     figures.add_argument(
         "--ground",
@@ -63,7 +64,7 @@ def make_parser() -> Parser:
         command = options.add_command(
             commands, name, run, help=help_line, description=text
         )
-        _add_directory(command, "tables", required=False)
+        options.add_directory(command, "tables", required=False, which=KEPT)
         options.add_only(command, "ID", "claims to judge, as in C07 C08")
     return parser
 
@@ -73,19 +74,6 @@ def _figures_help() -> str:
 
     titles = [f"  {n:<3} {figure.title}" for n, figure in PAPER_FIGURES.items()]
     return FIGURES.format("\n".join(titles))
-
-
-def _add_directory(
-    parser: argparse.ArgumentParser, content: str, *, required: bool
-) -> None:
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=required,
-        metavar="DIR",
-        help=f"directory for {content}, made if need be; files of the same names are "
-        "replaced",
-    )
 
 
 def run_figures(arguments: argparse.Namespace) -> None:

@@ -11,6 +11,8 @@ if TYPE_CHECKING:  # which takes a while to load
     import diffrax
 
 MACHINE_CODE, DIFFRAX = ENGINES = "machine code", "diffrax"
+XLA = "XLA"
+"""Name, in results, of what computes where there is no machine code."""
 
 
 class Engine(NamedTuple):

@@ -75,8 +75,9 @@ def _kept_here(compile_kernel: Callable) -> Any:
 def compile_native(
     assembly: Assembly, differentiated: bool = False, sampled: bool = False
 ) -> Kernel | None:
-    """Compile an assembly of the model, from scenes, tolerance and floor. None if its
-    laws, which may be the user's own, do what has no machine code.
+    """Compile an assembly of the model, from scenes, tolerance and floor, or load its
+    code from the disk. None if its laws, which may be the user's own, do what has no
+    machine code.
 
     Args:
         differentiated: whether it also gives derivatives along `MOST_DIRECTIONS`
@@ -91,11 +92,7 @@ def compile_native(
     Of the state, course and constants of the problem are differentiated; widths of
     steps, and with them the time, are not.
     """
-    return _compiled(assembly, MOST_DIRECTIONS if differentiated else 0, sampled)
-
-
-def _compiled(assembly: Assembly, directions: int, sampled: bool) -> Kernel:
-    """Load the code of an assembly from the disk, or compile and keep it."""
+    directions = MOST_DIRECTIONS if differentiated else 0
 
     def compile_lanes() -> Code:
         # It loads diffrax, which takes a while.

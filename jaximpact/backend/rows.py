@@ -28,7 +28,7 @@ from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, exact_models
 from ..impact.results import Solution, empty_history, empty_summary
 from ..scene import Scene
-from . import MACHINE_CODE, NATIVE, Engine
+from . import MACHINE_CODE, NATIVE, XLA, Engine
 from .native_backend import MOST_DIRECTIONS, compile_native, computes_on_cpu
 from .operation import call
 from .simd import KernelSet
@@ -138,7 +138,8 @@ def compute_rows(
 
 
 def in_parts(places: np.ndarray) -> Iterator[np.ndarray]:
-    """Split many impacts, by their indices, into parts after which to look up."""
+    """Split many impacts, by their indices, into parts: after each of them progress is
+    told and results are kept."""
     size = LANES_AT_ONCE * thread_count()
     for first in range(0, len(places), size):
         yield places[first : first + size]
@@ -154,7 +155,7 @@ def prepare(
 ) -> str:
     """Compile what `compute_rows` needs, and return the name of what computes."""
     chosen = _choose(*request(structure, leaves, accuracy, ledger), list(varied))
-    return "XLA" if chosen is None else MACHINE_CODE
+    return XLA if chosen is None else MACHINE_CODE
 
 
 def values_of(wanted: Request, values: list, times, in_jax: bool) -> Solution:
@@ -435,7 +436,7 @@ def _by_xla(
         with tracing():
             results = program(leaves, tolerance, floor, times)
     else:
-        results = _in_parts(program, leaves, (tolerance, floor), times)
+        results = _many_by_xla(program, leaves, (tolerance, floor), times)
     if not varied:
         return results
     solution, columns = results
@@ -450,7 +451,7 @@ def _by_xla(
     ]
 
 
-def _in_parts(program: Callable, leaves: list, setting: tuple, times):
+def _many_by_xla(program: Callable, leaves: list, setting: tuple, times):
     """Compute arrays of impacts by a program of XLA, which then has one of few sizes,
     on every core."""
     of_times = () if times is None else np.shape(times)[:-1]

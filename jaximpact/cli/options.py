@@ -56,16 +56,19 @@ def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:
 
 
 def add_directory(
-    parser: argparse.ArgumentParser, holds: str, *, required: bool = True
+    parser: argparse.ArgumentParser,
+    holds: str,
+    *,
+    required: bool = True,
+    which: str = "a new one, or that of an earlier run of the same study",
 ) -> None:
-    """Add `--out`, a directory; help says what it `holds`."""
+    """Add `--out`, a directory; help says what it `holds`, and which it may be."""
     parser.add_argument(
         "--out",
         type=Path,
         required=required,
         metavar="DIR",
-        help=f"directory for {holds}: a new one, or that of an earlier run of the same "
-        "study",
+        help=f"directory for {holds}: {which}",
     )
 
 

@@ -81,10 +81,10 @@ def derivatives(
             for k, column in zip(known, along, strict=True):
                 slopes[k][:, places_of[part]] = column
             done(len(part) * len(columns))
-    numbers, *found = (
+    numbers, *of_columns = (
         jax.tree.unflatten(of_numbers, list(rows)) for rows in (values, *slopes)
     )
-    return numbers, found
+    return numbers, of_columns
 
 
 def differences(

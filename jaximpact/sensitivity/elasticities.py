@@ -1,7 +1,6 @@
 """Elasticities: by how many per cent an output changes when a parameter does by one."""
 
 import enum
-import threading
 from collections.abc import Iterable
 
 import jax
@@ -236,17 +235,15 @@ _ATTRIBUTES = {
 
 
 class _Counter:
-    """Count of the impacts that several threads have done."""
+    """Count of the impacts that are done."""
 
     def __init__(self, progress: Progress, total: int):
         self.progress, self.total, self.done = progress, total, 0
-        self.lock = threading.Lock()
 
     def __call__(self, more: int) -> None:
-        with self.lock:
-            # Impacts of the second step are not in the total.
-            self.done = min(self.done + more, self.total)
-            self.progress("impacts", self.done, self.total)
+        # Impacts of the second step are not in the total.
+        self.done = min(self.done + more, self.total)
+        self.progress("impacts", self.done, self.total)
 
     def end(self) -> None:
         """Tell that all is done, what had no neighbours included."""

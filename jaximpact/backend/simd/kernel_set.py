@@ -41,9 +41,7 @@ class KernelSet:
         self.kernels, self.directions = tuple(kernels), directions
         self.structure = kernels[0].structure
         self.result_rows, self.sampled_rows = first.result_rows, first.sampled_rows
-        code = kernels[0].code
-        # Without directions those of kernels that have some are inputs as any others.
-        self.inputs = code.common_inputs if directions else code.input_rows
+        self.inputs = kernels[0].code.common_inputs
         self._settings = Operation()
         self._fill(self._settings)
 

@@ -11,7 +11,7 @@ from jax import Array
 
 from ..._types import Structure
 from ...accuracy import PRESETS, Accuracy
-from ...backend import MACHINE_CODE
+from ...backend import MACHINE_CODE, XLA
 from ...backend.rows import prepare
 from ...quantities import (
     CURVE_COLUMNS,
@@ -30,8 +30,6 @@ from .config import Study
 from .dataset import Measurements
 from .derived_targets import derived
 from .program import ImpactProgram, ImpactRows, OwnColumn, Response, program_of
-
-XLA = "XLA"
 
 
 def bounds_of(study: Study) -> Bounds:
