@@ -259,7 +259,9 @@ def write_geojson(path: Path, layer: Layer, code: int) -> None:
 
     def in_degrees(positions: np.ndarray) -> np.ndarray:
         easting, northing, height = positions.T
-        return np.stack([*to_degrees(easting, northing), height], axis=1)
+        # Lists: an array of one number is a deprecated scalar to pyproj with NumPy before 2.4.
+        degrees = to_degrees(easting.tolist(), northing.tolist())
+        return np.stack([*degrees, height], axis=1)
 
     places = [in_degrees(positions) for positions in layer.positions]
     _write(
