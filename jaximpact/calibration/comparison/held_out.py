@@ -32,8 +32,8 @@ from ...progress import tell
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.branches import draws_about, has_left, is_abrupt
+from ..estimation.search import fit
 from ..estimation.sigma import estimate_sigma, freedom_of_targets
-from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
 
 # Not scipy.stats, which takes 0.6 s to import.
@@ -95,7 +95,7 @@ def held_out(
         tell("groups left out", number, len(groups))
         tests, rest = left[number], objective.without(left[number])
         if refitted[number]:
-            found = fit(rest, best.x, rule=LEFT_OUT)
+            found = fit(rest, best.x, tolerance=LEFT_OUT)
             points = found.points.take([found.best])
         else:
             points = move(rest, best, steps[number])

@@ -19,7 +19,7 @@ import numpy as np
 
 from ...progress import within
 from ..estimation.least_squares import ROUGH, Fits
-from ..estimation.starts import fit
+from ..estimation.search import fit
 from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
 from .uncertainty import USELESS_ERROR, Uncertainty
@@ -157,7 +157,7 @@ def _fit_at(
     best = np.repeat(found.x[:1], len(fixed), axis=0)
     starts = _moved(rough.bounds, best, fixed, np.concatenate(values), follow)
     free = np.arange(len(found.x[0])) != fixed[:, None]
-    fits = fit(rough, starts, free, rule=ROUGH)
+    fits = fit(rough, starts, free, tolerance=ROUGH)
     doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
     more = fits.points.x, fits.points.cost, fixed, doubtful
     return _Fixed(*map(np.concatenate, zip(found, more, strict=True)))
@@ -181,7 +181,7 @@ def _fit_again(rough: Objective, found: _Fixed, follow: np.ndarray) -> None:
             break
         free = np.arange(x.shape[1]) != fixed[lanes][:, None]
         with within(f"again {number}, "):
-            again = fit(rough, begin, free, rule=ROUGH).points
+            again = fit(rough, begin, free, tolerance=ROUGH).points
         doubtful[:] = False
         for lane, at, new in zip(lanes, again.x, again.cost, strict=True):
             if new < cost[lane] - LOWER * rough.unit(new):

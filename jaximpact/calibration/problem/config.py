@@ -37,7 +37,7 @@ KEYS = (
     *("scatter", "weights", "variants", "further_tests", "compare"),
 )
 TOML = ".toml"
-METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
+METHODS = ("trust-region", "adam", "l-bfgs")
 STARTS = 64
 ACCURACY = "reference"
 """Derivatives of coarser impacts are sometimes wrong by a tenth, so that a fit stops

@@ -32,6 +32,11 @@ and 5e-4 of their derivatives, change a fit by less than 0.01 standard errors.""
 STEEPEST = 1e100
 """Derivatives above, as where an outcome changes, are set to 0: their squares could
 overflow."""
+TINY = 1e-100
+"""Residuals below, of limits that are kept by far, have no ratio to their slope."""
+STEEP = 1e8
+"""Derivatives of residuals above, as just before a jump, are set to 0 for fits: a step
+that follows them is rounding."""
 AT_ONCE = 50_000
 """Impacts between two lines of progress: bounds time and memory."""
 
@@ -245,6 +250,41 @@ class Objective:
         places = np.arange(x.shape[1])
         hessian[:, places, places] += by_x**2
         return Points(x, cost, gradient, hessian, predicted, outcomes, jacobian)
+
+    def residuals(self, points: Points) -> tuple[np.ndarray, np.ndarray]:
+        r"""Compute residuals r of points of one lane, and their derivatives.
+
+        Half the sum of their squares is the cost: of a measurement
+        r = sign(u) sqrt(2 w rho), so that losses and limits are least squares too.
+        """
+        study, predicted = self.study, points.predicted[0]
+        known, computed = study.known, np.isfinite(predicted)
+        u = np.where(computed & known, (predicted - study.measured) / self.sigma, 0.0)
+        of = losses(u, study.censored, self.loss)
+        weights = np.broadcast_to(np.where(known, study.weights, 0.0), u.shape)
+        size = np.sqrt(2.0 * weights * np.where(computed, of.value, FAILED_COST))
+        sign = np.where(of.slope < 0.0, -1.0, 1.0)
+        # At u = 0 both vanish; their ratio is the root of the curvature.
+        there = size > TINY
+        ratio = np.where(
+            there,
+            weights * np.abs(of.slope) / np.where(there, size, 1.0),
+            np.sqrt(weights * of.curvature),
+        )
+        ratio = np.where(computed & known, ratio, 0.0)
+        jacobian = points.jacobian[0] * (ratio / self.sigma)[..., None]
+        jacobian = np.where(np.abs(jacobian) > STEEP, 0.0, jacobian)
+        bounds, x = self.bounds, points.x[0]
+        priors = (bounds.parameter(x) - self.prior_mean) / self.prior_sd
+        return (
+            np.concatenate([(sign * size).ravel(), priors]),
+            np.concatenate(
+                [
+                    jacobian.reshape(-1, len(x)),
+                    np.diag(bounds.slope(x) / self.prior_sd),
+                ]
+            ),
+        )
 
     def reevaluate(self, points: Points) -> Points:
         """Evaluate points again whose predictions were weighted with other sigmas."""
