@@ -106,8 +106,9 @@ def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
     objective, best, judged, profiles = _profiled(objective, best)
     uncertainty = judged.uncertainty
     # It may have gone on from a draw or a profile, and sigmas may have changed.
-    ends = with_end(ends, lane, best)
     ends = ends._replace(points=objective.reevaluate(ends.points))
+    found_later = best.points.cost[0] < _below(objective, ends.points.cost[lane])
+    ends = with_end(ends, lane, best)
     reasons = label_minima(objective, ends, float(best.points.cost[0]))
     ends = ends._replace(reasons=reasons)
     by_name = {profile.name: profile for profile in profiles}
@@ -135,6 +136,7 @@ def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
         end_steps=ends.steps,
         members=len(population.x) if population else 0,
         agreed=population.agreed if population else 0,
+        found_later=bool(found_later),
         reason=best.reasons[0],
         objective=objective,
         points=point,

@@ -363,7 +363,7 @@ def judge_all(
         if len(far):
             values = bounds.parameter(np.concatenate([far, x[None]]))[:, place]
             reasons.append(
-                f"starts of equal cost ended between {np.min(values):.3g} and "
+                f"fits of equal cost ended between {np.min(values):.3g} and "
                 f"{np.max(values):.3g}"
             )
         verdicts.append(Verdict(parameter.name, not reasons, "; ".join(reasons)))

@@ -50,7 +50,9 @@ class VariantResult(NamedTuple):
     members: int
     """Size of the population that searched; 0 without a search."""
     agreed: int
-    """Number of its members that came to the place of the best one."""
+    """Number of its members that came to one place, or one cost."""
+    found_later: bool
+    """Whether draws or profiles found the best fit, below where the search had led."""
     reason: Reason
     """Reason for which the reported fit stopped."""
     objective: Objective

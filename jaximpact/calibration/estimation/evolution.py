@@ -35,13 +35,13 @@ WIDER = 3.0
 """Factor on the sigmas."""
 SPARE = 5
 """Measurements for each unknown from which the cost is the robust one."""
-PLACE = 0.3
-"""Distance in x from the best member within which a member is at its place."""
+PLACE, ALIKE = 0.3, 0.1
+"""Distance in x from the best member, or cost above it in s^2, within which a member
+agrees with it."""
 TOGETHER = 0.9
-"""Fraction of the members at the place of the best one at which a search ends."""
+"""Fraction of the members that agree at which a search ends."""
 AGREED = 0.5
-"""Fraction of the members at the place of the best one from which the others are on
-their way there."""
+"""Fraction of the members that agree from which the others are on their way there."""
 PATIENCE, WORTH = 8, 0.01
 """Number of generations in which the lowest cost must fall by this fraction of s^2 for
 a search about a fit to go on."""
@@ -56,11 +56,14 @@ class Population(NamedTuple):
     """Members in x, shape (members, unknowns)."""
     cost: np.ndarray
     """Costs of the search, shape (members,)."""
+    unit: float
+    """Unit for differences of these costs, max(1, s^2)."""
 
     @property
     def agreed(self) -> int:
-        """Number of members at the place of the best one."""
-        return int(np.sum(_near(self.x, self.x[0])))
+        """Number of members that came to the place, or the cost, of the best one."""
+        alike = self.cost <= self.cost[0] + ALIKE * self.unit
+        return int(np.sum(alike | _near(self.x, self.x[0])))
 
     def places(self, count: int) -> np.ndarray:
         """Select the best member of each of at most `count` places, the best first,
@@ -171,7 +174,8 @@ def _evolve(
         generation += 1
         lowest = f"lowest cost {intermediate_result.fun:.6g}"
         tell(f"generation {generation} of {len(first)} candidates, {lowest}")
-        return bool(is_enough(_population(intermediate_result), generation))
+        now = _population(objective, intermediate_result)
+        return bool(is_enough(now, generation))
 
     ended = differential_evolution(
         lambda x: _costs(objective, x.T),
@@ -187,11 +191,12 @@ def _evolve(
         # Named rng from SciPy 1.15 on.
         seed=objective.study.seed,  # pyright: ignore[reportCallIssue]
     )
-    return _population(ended)
+    return _population(objective, ended)
 
 
-def _population(state) -> Population:
+def _population(objective: Objective, state) -> Population:
     """Sort a population of SciPy's."""
     costs = np.asarray(state.population_energies)
     order = np.argsort(costs, kind="stable")
-    return Population(np.asarray(state.population)[order], costs[order])
+    unit = float(objective.unit(costs[order[0]]))
+    return Population(np.asarray(state.population)[order], costs[order], unit)
