@@ -9,15 +9,10 @@ import pytest
 from calibrated_twin import TRUE, results_of_model
 from calibration_studies import write_study_of
 from error_messages import assert_one_line_error
-from text_files import rows_of, write_rows
+from text_files import rows_of, write_columns
 
 import jaximpact
-from jaximpact import (
-    PRESETS,
-    Soil,
-    calibrate,
-    predict,
-)
+from jaximpact import PRESETS, Soil, calibrate, predict
 from jaximpact.calibration import read_study
 from jaximpact.calibration.api import ground_of
 from jaximpact.calibration.arguments import study_given, table_given
@@ -56,11 +51,6 @@ def test_a_fit_is_pickled_and_copied(found, new):
         assert float(again.soil.c_v) == float(found.soil.c_v)
     predicted = predict(found, new)
     assert str(pickle.loads(pickle.dumps(predicted))) == str(predicted)
-
-
-def write_columns(path, columns):
-    write_rows(path, columns, zip(*columns.values(), strict=True))
-    return path
 
 
 @pytest.fixture(scope="module")

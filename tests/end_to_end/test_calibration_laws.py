@@ -4,23 +4,14 @@ kept and refused."""
 import dataclasses
 import json
 
-import jax
 import numpy as np
 import pytest
-from calibration_studies import objective_of
+from calibrated_twin import results_of_model
+from calibration_studies import objective_of, write_study_of
 from error_messages import assert_one_line_error
-from text_files import write_rows
+from text_files import write_columns
 
-from jaximpact import (
-    Block,
-    Impact,
-    Outcome,
-    Scene,
-    Soil,
-    calibrate,
-    predict,
-    simulate_batch,
-)
+from jaximpact import Outcome, Soil, calibrate, predict
 from jaximpact.calibration import read_study, suggest_tests
 from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.fitted_ground import read_fitted
@@ -51,12 +42,14 @@ class Saturating(AbstractFlow):
 '''
 TRUE = {"my_rate": 6.0, "my_limit": 0.3, "c_v": 1.5}
 SIGMA = {"e_n": 2e-3, "max_penetration_m": 1e-3}
-COLUMNS = ("mass_kg", "speed_mps", "angle_deg")
-FITTED = (
-    *((100, 6, 0), (500, 15, 20), (50, 25, 40), (2000, 10, 60)),
-    *((300, 12, 30), (800, 20, 10), (150, 9, 50), (400, 18, 5)),
-)
-NEW = ((200, 8, 15), (600, 16, 35))
+FITTED = {
+    "mass_kg": [100.0, 500.0, 50.0, 2000.0, 300.0, 800.0, 150.0, 400.0],
+    "speed_mps": [6.0, 15.0, 25.0, 10.0, 12.0, 20.0, 9.0, 18.0],
+    "angle_deg": [0.0, 20.0, 40.0, 60.0, 30.0, 10.0, 50.0, 5.0],
+}
+NEW = {"mass_kg": [200.0, 600.0], "speed_mps": [8.0, 16.0], "angle_deg": [15.0, 35.0]}
+FEW = {name: values[:3] for name, values in FITTED.items()}
+TESTS = FEW | dict.fromkeys(SIGMA, [0.2] * 3)
 STUDY = """\
 data = "tests.csv"
 starts = 8
@@ -72,40 +65,28 @@ max_penetration_m = 0.001
 """
 
 
-def measured(rows, soil, block=None):
-    """What the model gives for tests, a row each of `SIGMA`'s columns."""
-    mass, speed, angle = np.array(rows, float).T
-    block = block or Block(mass=mass)
-    impact = Impact(speed=speed, angle=np.deg2rad(angle))
-    result = simulate_batch(Scene(block, soil, impact), accuracy="reference")
-    return np.stack([result.e_n, result.max_penetration], axis=1)
-
-
 def write_laws(folder, text=LAWS):
     (folder / "my_laws.py").write_text(text)
     return f"{folder / 'my_laws.py'}:Saturating"
 
 
-def write_study(folder, text=STUDY, rows=((500, 15, 20, 0.2, 0.2),)):
+def study_in(folder, text, **columns):
+    """A study of few tests beside the law."""
     write_laws(folder)
-    write_rows(folder / "tests.csv", (*COLUMNS, *SIGMA), rows)
-    (folder / "study.toml").write_text(text)
-    return folder / "study.toml"
+    return read_study(write_study_of(folder, text, TESTS | columns))
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A law, tests that it made with noise of known sigmas, and a study of them."""
     folder = tmp_path_factory.mktemp("own")
-    jax.config.update("jax_enable_x64", True)
     soil = Soil(flow=write_laws(folder), **TRUE)
-    results = measured(FITTED, soil)
-    noise = np.random.default_rng(0).normal(size=results.shape)
-    results += noise * list(SIGMA.values())
-    write_study(folder, rows=np.hstack([FITTED, results]))
-    write_rows(
-        folder / "new.csv", (*COLUMNS, *SIGMA), np.hstack([NEW, measured(NEW, soil)])
-    )
+    results = results_of_model(FITTED, soil)
+    noise = np.random.default_rng(0).normal(size=(8, 2)).T
+    for each, (name, sigma) in zip(noise, SIGMA.items(), strict=True):
+        results[name] = np.array(results[name]) + sigma * each
+    write_study_of(folder, STUDY, FITTED | results)
+    write_columns(folder / "new.csv", NEW | results_of_model(NEW, soil))
     return folder
 
 
@@ -183,8 +164,7 @@ def test_tests_are_predicted_with_the_law(folder, found, written):
 
 
 def test_a_shape_that_was_not_fitted_is_told(found):
-    mass, speed, angle = NEW[0]
-    tests = {"mass_kg": [mass], "speed_mps": [speed], "angle_deg": [angle]}
+    tests = {name: values[:1] for name, values in NEW.items()}
     block = {"shape": "RectangularPrism", "corner_radius_ratio": [0.3]}
     text = str(predict(found, tests | block))
     assert "No fitted test has a block of the shape RectangularPrism." in text
@@ -215,12 +195,11 @@ def of_variant(study, variant, values):
     return objective, objective.bounds.coordinate(np.array([values], float))
 
 
-def predicted(study, variant, values):
-    objective, x = of_variant(study, variant, values)
-    return objective.values(x).predicted[0]
-
-
-ROWS = [(*row, 0.2, 0.2) for row in FITTED[:3]]
+def assert_predicts(study, variant, expected, rtol=1e-6):
+    """At c_v = 2."""
+    objective, x = of_variant(study, variant, [2.0])
+    found = objective.values(x).predicted[0].T
+    np.testing.assert_allclose(found, [*expected.values()], rtol=rtol)
 
 
 def test_variants_with_other_laws(tmp_path):
@@ -237,15 +216,11 @@ c_v = {}
 flow = "FluidityRate"
 gamma_v = 4.0
 """
-    study = read_study(write_study(tmp_path, text, ROWS))
-    grounds = (
-        Soil(flow=PowerNucleus(nucleus_exponent=1.5), c_v=2.0),
-        Soil(flow=FluidityRate(gamma_v=4.0), c_v=2.0),
-    )
-    for variant, ground in zip(study.variants, grounds, strict=True):
-        expected = measured(FITTED[:3], ground)
-        found = predicted(study, variant, [2.0])
-        np.testing.assert_allclose(found, expected, rtol=1e-6)
+    study = study_in(tmp_path, text)
+    flows = PowerNucleus(nucleus_exponent=1.5), FluidityRate(gamma_v=4.0)
+    for variant, flow in zip(study.variants, flows, strict=True):
+        expected = results_of_model(FEW, Soil(flow=flow, c_v=2.0))
+        assert_predicts(study, variant, expected)
     assert study.variants[1].name == "flow FluidityRate, gamma_v 4.0"
 
 
@@ -261,19 +236,15 @@ c_v = {}
 by = "campaign"
 prior = { mean = 0.3, sd = 0.05 }
 """
-    path = write_study(tmp_path, text)
-    rates, campaigns = (3.0, 5.0, 8.0), ("a", "b", "a")
-    rows = [(*r, *x) for r, *x in zip(ROWS, rates, campaigns, strict=True)]
-    names = (*COLUMNS, *SIGMA, "my_rate", "campaign")
-    write_rows(tmp_path / "tests.csv", names, rows)
-    study = read_study(path)
+    rates = [3.0, 5.0, 8.0]
+    study = study_in(tmp_path, text, my_rate=rates, campaign=["a", "b", "a"])
     objective, x = of_variant(study, study.variants[0], [2.0, 0.2, 0.4])
     points = objective(x)
     assert objective.model.engine == "machine code"
-    law = study.tests.base.soil.flow
-    flow = type(law)(my_rate=np.array(rates), my_limit=np.array([0.2, 0.4, 0.2]))
-    expected = measured(FITTED[:3], Soil(flow=flow, c_v=2.0))
-    np.testing.assert_allclose(points.predicted[0], expected, rtol=1e-6)
+    law = type(study.tests.base.soil.flow)
+    flow = law(my_rate=np.array(rates), my_limit=np.array([0.2, 0.4, 0.2]))
+    expected = results_of_model(FEW, Soil(flow=flow, c_v=2.0))
+    np.testing.assert_allclose(points.predicted[0].T, [*expected.values()], rtol=1e-6)
     step = 1e-4 * np.eye(3)[[1]]
     ahead, back = (objective.values(x + s).predicted[0] for s in (step, -step))
     slope = (ahead - back) / 2e-4
@@ -284,26 +255,22 @@ def test_shapes_of_tests(tmp_path):
     """A column of shapes, and one shape for all of them."""
     prism = RectangularPrism(corner_radius_ratio=0.4, aspect_ratio=1.5)
     text = 'data = "tests.csv"\n[parameters]\nc_v = {}\n'
-    path = write_study(tmp_path, text)
-    rows = [(*row, "RectangularPrism", "0.4", "1.5") for row in ROWS[:2]]
-    rows.append((*ROWS[2], "EllipticCylinder", "", "1.2"))
-    names = (*COLUMNS, *SIGMA, "shape", "corner_radius_ratio", "aspect_ratio")
-    write_rows(tmp_path / "tests.csv", names, rows)
-    study = read_study(path)
-    masses = [np.array([float(mass)]) for mass, *_ in FITTED[:3]]
-    shapes = prism, prism, EllipticCylinder(aspect_ratio=1.2)
-    expected = [
-        measured([row], Soil(c_v=2.0), Block(mass=mass, shape=shape))[0]
-        for row, mass, shape in zip(FITTED, masses, shapes, strict=False)
-    ]
-    found = predicted(study, study.variants[0], [2.0])
-    np.testing.assert_allclose(found, expected, rtol=1e-5)
+    study = study_in(
+        tmp_path,
+        text,
+        shape=["RectangularPrism", "RectangularPrism", "EllipticCylinder"],
+        corner_radius_ratio=[0.4, 0.4, ""],
+        aspect_ratio=[1.5, 1.5, 1.2],
+    )
+    soil, cylinder = Soil(c_v=2.0), EllipticCylinder(aspect_ratio=1.2)
+    prisms = results_of_model(FEW, soil, shape=prism)
+    cylinders = results_of_model(FEW, soil, shape=cylinder)
+    expected = {name: [*prisms[name][:2], cylinders[name][2]] for name in prisms}
+    assert_predicts(study, study.variants[0], expected, rtol=1e-5)
     # Held for all, where no table says it.
     block = '[block]\nshape = "RectangularPrism"\ncorner_radius_ratio = 0.4\n'
-    write_study(tmp_path, text + block + "aspect_ratio = 1.5\n", ROWS)
-    study = read_study(path)
-    found = predicted(study, study.variants[0], [2.0])
-    np.testing.assert_allclose(found[:2], expected[:2], rtol=1e-5)
+    study = study_in(tmp_path, text + block + "aspect_ratio = 1.5\n")
+    assert_predicts(study, study.variants[0], prisms, rtol=1e-5)
 
 
 def test_the_next_test_of_a_law(found):

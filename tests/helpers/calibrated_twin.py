@@ -39,13 +39,13 @@ candidates = { speed_mps = [5, 20], angle_deg = [0, 40] }
 """
 
 
-def results_of_model(columns, soil=None):
-    """What the model gives for tests, to the true soil if no other is given."""
+def results_of_model(columns, soil=None, **shape):
+    """What the model gives for tests on a soil, else the true one, and of a shape."""
     soil = soil or Soil(**TRUE, dilatancy=0.5)
     speed = np.array(columns["speed_mps"])
     angle = np.array(columns.get("angle_deg", np.zeros(len(speed))))
     impact = Impact.from_degrees(speed, angle)
-    scene = Scene(Block(mass=np.array(columns["mass_kg"])), soil, impact)
+    scene = Scene(Block(mass=np.array(columns["mass_kg"]), **shape), soil, impact)
     found = simulate_batch(scene, accuracy="reference")
     return {
         "e_n": np.asarray(found.e_n).tolist(),
@@ -72,7 +72,7 @@ def calibrated_twin(folder) -> Twin:
     """Calibrate in a folder, whatever NumPy does about probabilities that underflow
     far from a measurement."""
     tests = DROPS | results_of_model(DROPS)
-    path = write_study_of(folder, STUDY, tests, zip(*tests.values(), strict=True))
+    path = write_study_of(folder, STUDY, tests)
     with np.errstate(all="raise"):
         found = calibrate(path, out=folder / "out")
         assert np.geterr()["under"] == "raise"

@@ -3,7 +3,7 @@ objectives and fits, and a linear model in place of impacts, of which every answ
 known."""
 
 import numpy as np
-from text_files import write_rows
+from text_files import write_columns, write_rows
 
 from jaximpact.backend import MACHINE_CODE
 from jaximpact.calibration import read_study
@@ -16,9 +16,13 @@ from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective, start_of
 
 
-def write_study_of(folder, text, columns, rows):
-    """A study in a folder, of a text and a table of tests."""
-    write_rows(folder / "tests.csv", columns, rows)
+def write_study_of(folder, text, columns, rows=None):
+    """A study in a folder, of a text and a table of tests: columns by name, or their
+    names and rows."""
+    if rows is None:
+        write_columns(folder / "tests.csv", columns)
+    else:
+        write_rows(folder / "tests.csv", columns, rows)
     path = folder / "study.toml"
     path.write_text(text)
     return path
