@@ -62,7 +62,8 @@ class Linear(Objective):
 
     def __init__(self, study, variant=None, model=None, matrix=None):
         super().__init__(study, study.variants[0], NoModel())
-        self.matrix = matrix
+        if matrix is not None:
+            self.matrix = matrix
 
     def _predict(self, x, derivatives):
         predicted = (x @ self.matrix.T)[:, :, None]

@@ -118,7 +118,7 @@ def test_campaigns_are_joined(tmp_path):
     """A file is a campaign, and a column that it lacks has its default."""
     (tmp_path / "north.csv").write_text("mass_kg,e_n\n100,0.1\n400,0.2\n")
     (tmp_path / "south.csv").write_text(
-        "mass_kg,speed_mps,e_n,e_t\n300,12,,>0.5\n600,14,< 0.1,\n"
+        "mass_kg,speed_mps,e_n,max_sinking_m\n300,12,,>0.5\n600,14,< 0.1,\n"
     )
     path = tmp_path / "study.toml"
     path.write_text(
@@ -131,7 +131,7 @@ def test_campaigns_are_joined(tmp_path):
     assert joined.tests.place(2) == (tmp_path / "south.csv", 2)
     np.testing.assert_array_equal(joined.tests.inputs["mass_kg"], [100, 400, 300, 600])
     np.testing.assert_array_equal(joined.tests.inputs["speed_mps"], [14, 14, 12, 14])
-    assert joined.targets == ("e_n", "e_t")
+    assert joined.targets == ("e_n", "max_sinking_m")
     nan = np.nan
     np.testing.assert_array_equal(
         joined.measured, [[0.1, nan], [0.2, nan], [nan, 0.5], [0.1, nan]]
@@ -191,7 +191,9 @@ def test_weights_multiply_losses_and_are_no_information(predicted):
     """Doubling every weight doubles the cost and leaves the covariance."""
     found, doubled = [], dict.fromkeys(TARGETS, 2.0)
     for weights in ({}, {"weights": doubled}):
-        objective = objective_of(study(predicted, (0.01, 0.01, 0.01), **weights))
+        # Without priors, which have no weight.
+        weighted = study(predicted, (0.01, 0.01, 0.01), nuisance={}, **weights)
+        objective = objective_of(weighted)
         points = objective(start_of(objective.study)[None])
         found.append((points.cost[0], estimate(objective, points)))
     (cost, once), (twice_cost, twice) = found
