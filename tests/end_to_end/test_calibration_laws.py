@@ -52,7 +52,7 @@ FEW = {name: values[:3] for name, values in FITTED.items()}
 TESTS = FEW | dict.fromkeys(SIGMA, [0.2] * 3)
 STUDY = """\
 data = "tests.csv"
-starts = 8
+starts = 4
 [soil]
 flow = "my_laws.py:Saturating"
 [parameters]

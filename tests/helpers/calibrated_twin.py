@@ -22,7 +22,7 @@ DROPS = {
 STUDY = """\
 title = "A <twin> & more"
 data = "tests.csv"
-starts = 16
+starts = 8
 seed = 1
 [soil]
 dilatancy = 0.5
