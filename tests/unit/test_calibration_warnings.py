@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import jax
 import numpy as np
 import pytest
+from calibration_studies import study_of_columns
 
 from jaximpact import PRESETS, Block, Impact, Scene, Soil, simulate_batch
 from jaximpact.calibration import fit_study
-from jaximpact.calibration.arguments import table_given
 from jaximpact.calibration.diagnostics.examination import (
     doubtful_units,
     freedom_text,
@@ -16,8 +16,6 @@ from jaximpact.calibration.diagnostics.examination import (
     worse_than_mean,
 )
 from jaximpact.calibration.diagnostics.identifiability import Verdict
-from jaximpact.calibration.problem.config import study_of
-from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.parameters import about_draws, verdict
 
@@ -33,8 +31,7 @@ NOTHING_ELSE = SimpleNamespace(
 
 
 def study(columns, **content):
-    content = {"starts": 4, "accuracy": "balanced"} | content
-    return study_of(joined_tables((table_given(columns),)), content)
+    return study_of_columns(columns, starts=4, accuracy="balanced", **content)
 
 
 @pytest.fixture(scope="module")
