@@ -17,21 +17,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from ..._jax_internals import namespace_of
 from ...accuracy import PRESETS, Accuracy
 from ...progress import tell
 from .config import Study, Variant
 from .forward_model import XLA, ForwardModel, bounds_of
-from .noise import losses
+from .noise import Losses, losses
 
 FAILED_COST = 5e5
 """Loss, with derivative zero, of a result that could not be computed: large, so that a
 fit keeps away, and finite, so that it does not spoil the sum."""
-SMALL_BESIDE = 1e-3
-"""Sigma over the measured value above which the errors of impacts at "balanced", 1e-6
-and 5e-4 of their derivatives, change a fit by less than 0.01 standard errors."""
-STEEPEST = 1e100
-"""Derivatives above, as where an outcome changes, are set to 0: their squares could
-overflow."""
 AT_ONCE = 50_000
 """Impacts between two lines of progress: bounds time and memory."""
 
@@ -107,8 +102,9 @@ class Objective:
         errors are small beside every sigma."""
         study, balanced = self.study, PRESETS["balanced"]
         known = study.known
-        size = np.abs(study.measured[known])
-        close = np.any(self.sigma[known] < SMALL_BESIDE * size)
+        # Of wider sigmas the errors at "balanced", 1e-6 of the values and 5e-4 of the
+        # derivatives, change a fit by less than 0.01 standard errors.
+        close = np.any(self.sigma[known] < 1e-3 * np.abs(study.measured[known]))
         if close or self.accuracy.tolerance >= balanced.tolerance:
             return self
         return self.at(balanced)
@@ -184,7 +180,8 @@ class Objective:
         )
         jacobian = np.zeros((*predicted.shape, x.shape[1]))
         if slopes is not None:
-            finite = np.isfinite(predicted)[..., None] & (np.abs(slopes) < STEEPEST)
+            # Squares of steeper ones, as where an outcome changes, could overflow.
+            finite = np.isfinite(predicted)[..., None] & (np.abs(slopes) < 1e100)
             slopes, by_x = np.where(finite, slopes, 0.0), self.bounds.slope(x)
             lanes, tests = np.ogrid[: len(x), : predicted.shape[1]]
             # Each test depends on one unknown of each column.
@@ -196,17 +193,29 @@ class Objective:
     def cost(self, x: Array) -> Array:
         """Compute the objective function at one x, shape (unknowns,), as a function of
         JAX."""
-        study, p = self.study, self.bounds.parameter(x)
+        p = self.bounds.parameter(x)
         predicted = self.model.predict(jnp.asarray(p), self.accuracy)
-        computed, known = jnp.isfinite(predicted), study.known
-        apart = jnp.where(computed, predicted, 0.0) - np.where(
-            known, study.measured, 0.0
-        )
-        u = jnp.where(computed & known, apart / self.sigma, 0.0)
-        found = losses(u, study.censored, self.loss).value
-        weights = np.where(known, study.weights, 0.0)
-        cost = jnp.sum(jnp.where(computed, found, FAILED_COST) * weights)
-        return cost + 0.5 * jnp.sum(((p - self.prior_mean) / self.prior_sd) ** 2)
+        return self._cost(p, predicted, self._losses(predicted).value)
+
+    def _losses(self, predicted) -> Losses:
+        """Compute the losses of predictions, of NumPy or JAX, shape (..., tests,
+        targets); of 0 where one is missing or nothing is measured."""
+        xp, study = namespace_of(predicted), self.study
+        used = xp.isfinite(predicted) & study.known
+        # Derivatives by JAX must not meet NaN.
+        measured = np.where(study.known, study.measured, 0.0)
+        apart = xp.where(used, predicted, measured) - measured
+        censored = np.broadcast_to(study.censored, predicted.shape)
+        return losses(apart / self.sigma, censored, self.loss)
+
+    def _cost(self, p, predicted, loss):
+        """Sum losses and priors at parameters p, shape (..., unknowns)."""
+        xp = namespace_of(predicted)
+        loss = xp.where(xp.isfinite(predicted), loss, FAILED_COST)
+        weights = np.where(self.study.known, self.study.weights, 0.0)
+        apart = (p - self.prior_mean) / self.prior_sd
+        cost = xp.sum(loss * weights, axis=(-2, -1))
+        return cost + 0.5 * xp.sum(apart**2, axis=-1)
 
     def values_by_parts(
         self, x: np.ndarray
@@ -226,24 +235,18 @@ class Objective:
 
         Predictions that are missing cost `FAILED_COST` each.
         """
-        study = self.study
-        known = study.known
-        computed = np.isfinite(predicted)
-        u = np.where(computed & known, (predicted - study.measured) / self.sigma, 0.0)
-        of = losses(u, np.broadcast_to(study.censored, u.shape), self.loss)
-        weights = np.where(known, study.weights, 0.0)
-        used = np.where(computed, weights, 0.0)
-        cost = np.sum(np.where(computed, of.value, FAILED_COST) * weights, axis=(1, 2))
+        of, p = self._losses(predicted), self.bounds.parameter(x)
+        used = np.isfinite(predicted) & self.study.known
+        weights = np.where(used, self.study.weights, 0.0)
         rows = jacobian / self.sigma[..., None]
-        slope, curvature = used * of.slope, used * of.curvature
+        slope, curvature = weights * of.slope, weights * of.curvature
         gradient = np.einsum("lrt,lrtp->lp", slope, rows)
         hessian = np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
-        apart = (self.bounds.parameter(x) - self.prior_mean) / self.prior_sd
         by_x = self.bounds.slope(x) / self.prior_sd
-        cost = cost + 0.5 * np.sum(apart**2, axis=1)
-        gradient = gradient + apart * by_x
+        gradient = gradient + (p - self.prior_mean) / self.prior_sd * by_x
         places = np.arange(x.shape[1])
         hessian[:, places, places] += by_x**2
+        cost = self._cost(p, predicted, of.value)
         return Points(x, cost, gradient, hessian, predicted, outcomes, jacobian)
 
     def reevaluate(self, points: Points) -> Points:
@@ -283,8 +286,8 @@ def _priors(study: Study) -> tuple[np.ndarray, np.ndarray]:
 def start_of(study: Study) -> np.ndarray:
     """Return the starting point x of a study."""
     means = [[n.prior.mean] * len(n.groups) for n in study.nuisances]
-    given = np.concatenate([[p.start for p in study.parameters], *means])
-    return bounds_of(study).coordinate(given)
+    start = np.concatenate([[p.start for p in study.parameters], *means])
+    return bounds_of(study).coordinate(start)
 
 
 def names_of(study: Study) -> list[str]:
