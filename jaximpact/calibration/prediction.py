@@ -239,7 +239,8 @@ def predict_variant(
         bounds.coordinate(np.clip(p, bounds.lower, bounds.upper)) for p in (best, draws)
     )
     at_best = objective.values(best[None])
-    _, predicted, ends = objective.at(fitted.accuracy).values_by_parts(draws)
+    at_draws = objective.at(fitted.accuracy).values(draws)
+    predicted, ends = at_draws.predicted, at_draws.outcomes
     outcomes = at_best.outcomes[0]
     sigma, freedom = scatter(study, fitted, predicted, weights)
     return VariantPrediction(

@@ -118,7 +118,8 @@ def sample(
         standard, x, inside = _propose(random, proposals[-1], count // parts, between)
         proposals[-1] = proposals[-1]._replace(inside=inside)
         with within(f"round {number}, "):
-            rounds.append((standard, x, *at_first.values_by_parts(x)[:2]))
+            points = at_first.values(x)
+        rounds.append((standard, x, points.cost, points.predicted))
         standard, x, cost, predicted = map(np.concatenate, zip(*rounds, strict=True))
         mixture = [proposal.log_density(standard) for proposal in proposals]
         log_weight = -cost / inflation - np.logaddexp.reduce(mixture, axis=0)
@@ -143,13 +144,13 @@ def check(draws: Draws, objective: Objective, inflation: float) -> Draws:
         return draws
     closer = objective.at(LADDER[1])
     with within("all again, more accurately, "):
-        cost, predicted, _ = closer.values_by_parts(draws.x)
-    log_weights = draws.log_weights + (draws.cost - cost) / inflation
-    part = 1.0 / (len(cost) * np.sum(normalised(log_weights) ** 2))
+        points = closer.values(draws.x)
+    log_weights = draws.log_weights + (draws.cost - points.cost) / inflation
+    part = 1.0 / (len(points.x) * np.sum(normalised(log_weights) ** 2))
     draws = draws._replace(
         log_weights=log_weights,
-        cost=cost,
-        predicted=predicted,
+        cost=points.cost,
+        predicted=points.predicted,
         effective_fraction=np.append(draws.effective_fraction[:-1], part),
         accuracy=closer.accuracy,
     )
@@ -207,7 +208,7 @@ def error_of_costs(
     inflation, against the next accuracy of the ladder. An error common to all changes
     no weight, and is subtracted."""
     closer = objective.at(LADDER[LADDER.index(objective.accuracy) + 1])
-    apart = cost - closer.values_by_parts(x)[0]
+    apart = cost - closer.values(x).cost
     return float(np.max(np.abs(apart - np.median(apart)))) / inflation
 
 

@@ -110,16 +110,17 @@ def sample_posterior(
         )
         x = sampled.reshape(chains * count, -1)
         with within("sampled: "):
-            cost, predicted, _ = objective.values_by_parts(x)
-        every = -(-len(x) // 64)
+            points = objective.values(x)
+        every = slice(None, None, -(-len(x) // 64))
+        error = error_of_costs(objective, x[every], points.cost[every], inflation)
         return Draws(
             x=x,
             log_weights=np.zeros(len(x)),
-            cost=cost,
-            predicted=predicted,
+            cost=points.cost,
+            predicted=points.predicted,
             effective_fraction=np.minimum(1.0, [np.min(effective) / len(x)]),
             accuracy=objective.accuracy,
-            error=error_of_costs(objective, x[::every], cost[::every], inflation),
+            error=error,
             chains=Chains(
                 statistics, scale_reduction, effective, time.perf_counter() - begin
             ),

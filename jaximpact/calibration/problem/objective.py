@@ -167,27 +167,42 @@ class Objective:
         return self.evaluate(x, *self._predict(x, True))
 
     def values(self, x: np.ndarray) -> Points:
-        """Evaluate the objective without derivatives, which are set to 0, in a quarter
-        of the time."""
-        x = np.asarray(x, float)
-        return self.evaluate(x, *self._predict(x, False))
+        """Evaluate the objective in a quarter of the time, without the derivatives of
+        predictions, which are 0; those of the priors stay."""
+        x, at_once = np.asarray(x, float), max(1, AT_ONCE // len(self.study.measured))
+        parts = []
+        for first in range(0, max(len(x), 1), at_once):
+            if len(x) > at_once:
+                tell(f"{first} of {len(x)} draws")
+            part = x[first : first + at_once]
+            parts.append(self.evaluate(part, *self._predict(part, False)))
+        if len(parts) == 1:
+            return parts[0]
+        whole: dict[str, np.ndarray] = {
+            name: np.concatenate([getattr(part, name) for part in parts])
+            for name in Points._fields[:-1]
+        }
+        # The zeros of many draws would fill the memory.
+        shape = *whole["predicted"].shape, x.shape[1]
+        return Points(**whole, jacobian=np.broadcast_to(0.0, shape))
 
     def _predict(self, x: np.ndarray, derivatives: bool) -> tuple:
-        """Compute predictions, outcomes and the Jacobian of `Points`."""
+        """Compute predictions, outcomes and the Jacobian of `Points`, if wanted."""
         p, model = self.bounds.parameter(x), self.model
         predicted, outcomes, slopes = model.evaluate(
             p, self.accuracy, derivatives=derivatives
         )
+        if slopes is None:
+            return predicted, outcomes, None
+        # Squares of steeper ones, as where an outcome changes, could overflow.
+        finite = np.isfinite(predicted)[..., None] & (np.abs(slopes) < 1e100)
+        slopes, by_x = np.where(finite, slopes, 0.0), self.bounds.slope(x)
         jacobian = np.zeros((*predicted.shape, x.shape[1]))
-        if slopes is not None:
-            # Squares of steeper ones, as where an outcome changes, could overflow.
-            finite = np.isfinite(predicted)[..., None] & (np.abs(slopes) < 1e100)
-            slopes, by_x = np.where(finite, slopes, 0.0), self.bounds.slope(x)
-            lanes, tests = np.ogrid[: len(x), : predicted.shape[1]]
-            # Each test depends on one unknown of each column.
-            for column, unknown in enumerate(model.unknown[model.impact].T):
-                of_column = slopes[..., column] * by_x[:, unknown, None]
-                jacobian[lanes, tests, :, unknown] = of_column
+        lanes, tests = np.ogrid[: len(x), : predicted.shape[1]]
+        # Each test depends on one unknown of each column.
+        for column, unknown in enumerate(model.unknown[model.impact].T):
+            of_column = slopes[..., column] * by_x[:, unknown, None]
+            jacobian[lanes, tests, :, unknown] = of_column
         return predicted, outcomes, jacobian
 
     def cost(self, x: Array) -> Array:
@@ -217,36 +232,23 @@ class Objective:
         cost = xp.sum(loss * weights, axis=(-2, -1))
         return cost + 0.5 * xp.sum(apart**2, axis=-1)
 
-    def values_by_parts(
-        self, x: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Compute costs, predictions and outcomes of `values`, some draws at a time."""
-        at_once = max(1, AT_ONCE // len(self.study.measured))
-        parts = []
-        for first in range(0, len(x), at_once):
-            tell(f"{first} of {len(x)} draws")
-            points = self.values(x[first : first + at_once])
-            parts.append((points.cost, points.predicted, points.outcomes))
-        cost, predicted, outcomes = map(np.concatenate, zip(*parts, strict=True))
-        return cost, predicted, outcomes
-
-    def evaluate(self, x, predicted, outcomes, jacobian) -> Points:
-        """Evaluate the objective of given predictions and their Jacobian.
-
-        Predictions that are missing cost `FAILED_COST` each.
-        """
+    def evaluate(self, x, predicted, outcomes, jacobian=None) -> Points:
+        """Evaluate the objective of given predictions and of their Jacobian, if there
+        is one. Predictions that are missing cost `FAILED_COST` each."""
         of, p = self._losses(predicted), self.bounds.parameter(x)
+        cost = self._cost(p, predicted, of.value)
+        by_x = self.bounds.slope(x) / self.prior_sd
+        gradient = (p - self.prior_mean) / self.prior_sd * by_x
+        hessian = by_x[..., None] ** 2 * np.eye(x.shape[1])
+        if jacobian is None:
+            zeros = np.broadcast_to(0.0, (*predicted.shape, x.shape[1]))
+            return Points(x, cost, gradient, hessian, predicted, outcomes, zeros)
         used = np.isfinite(predicted) & self.study.known
         weights = np.where(used, self.study.weights, 0.0)
         rows = jacobian / self.sigma[..., None]
         slope, curvature = weights * of.slope, weights * of.curvature
-        gradient = np.einsum("lrt,lrtp->lp", slope, rows)
-        hessian = np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
-        by_x = self.bounds.slope(x) / self.prior_sd
-        gradient = gradient + (p - self.prior_mean) / self.prior_sd * by_x
-        places = np.arange(x.shape[1])
-        hessian[:, places, places] += by_x**2
-        cost = self._cost(p, predicted, of.value)
+        gradient += np.einsum("lrt,lrtp->lp", slope, rows)
+        hessian += np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
         return Points(x, cost, gradient, hessian, predicted, outcomes, jacobian)
 
     def reevaluate(self, points: Points) -> Points:
