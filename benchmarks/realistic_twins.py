@@ -5,7 +5,6 @@ degrees from the normal; e_n, e_t, the largest force, the largest penetration an
 duration are measured with noise of 5 to 10 %. Five ground parameters are fitted.
 """
 
-
 import jax
 import numpy as np
 

@@ -146,31 +146,31 @@ class Measurements:
         }
         return dataclasses.replace(self, inputs=self.inputs | added)
 
-    def columns(self, held: Mapping[str, float]) -> dict[str, np.ndarray]:
+    def columns(self, fixed: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Collect every column of the scene, shape (tests,), in the unit of its name.
 
         Args:
-            held: values that are in no file; parameters of other laws do not count.
+            fixed: values that are in no file; parameters of other laws do not count.
         """
         return {
             name: np.broadcast_to(
                 np.asarray(
-                    self.inputs.get(name, held.get(name, column.default)), float
+                    self.inputs.get(name, fixed.get(name, column.default)), float
                 ),
                 len(self),
             )
             for name, column in self.known_columns.items()
         }
 
-    def scene(self, held: Mapping[str, float]) -> Scene:
+    def scene(self, fixed: Mapping[str, float]) -> Scene:
         """Make one scene of all tests, arrays (tests,) in SI.
 
         Args:
-            held: values as for `columns`.
+            fixed: values as for `columns`.
         """
         known = self.known_columns
         fields: dict[str, dict] = {part: {} for part in PARTS}
-        for name, values in self.columns(held).items():
+        for name, values in self.columns(fixed).items():
             fields[known[name].part][known[name].field] = known[name].factor * values
         scene = Scene(
             **{
@@ -203,14 +203,14 @@ def joined_tables(files: tuple[SceneTable, ...]) -> Measurements:
         """Collect columns that any table has, a piece from each."""
         columns = [(getattr(table, of_table), len(table.rows)) for table in files]
         return {
-            name: [own.get(name, [filling] * count) for own, count in columns]
+            name: [of_one.get(name, [filling] * count) for of_one, count in columns]
             for name in names
-            if any(name in own for own, _ in columns)
+            if any(name in of_one for of_one, _ in columns)
         }
 
     def joined(names, of_table="numbers", filling=np.nan) -> dict[str, np.ndarray]:
-        found = pieces(names, of_table, filling)
-        return {name: np.concatenate(parts) for name, parts in found.items()}
+        by_name = pieces(names, of_table, filling)
+        return {name: np.concatenate(parts) for name, parts in by_name.items()}
 
     texts = pieces(LABEL_COLUMNS, "labels", "")
     labels = {name: _chained(parts) for name, parts in texts.items()}

@@ -42,14 +42,14 @@ def with_curves(table: SceneTable) -> SceneTable:
     results = TIME_COLUMN, *TARGET_COLUMNS, *SIGMA_COLUMNS
 
     def column(name: str) -> np.ndarray:
-        own = table.numbers.get(name, np.full(count, np.nan))
+        of_rows = table.numbers.get(name, np.full(count, np.nan))
         if name not in results:
-            return own[row_of]
+            return of_rows[row_of]
         points = [
             curve.numbers.get(name, np.full(len(curve.rows), np.nan))
             for curve in curves.values()
         ]
-        return np.concatenate([own, *points])
+        return np.concatenate([of_rows, *points])
 
     names = dict.fromkeys((*table.numbers, TIME_COLUMN))
     names |= dict.fromkeys(n for c in curves.values() for n in c.numbers)
@@ -64,7 +64,7 @@ def with_curves(table: SceneTable) -> SceneTable:
         rows=[table.rows[row] for row in row_of],
         lines=table.lines[row_of],
         numbers={name: column(name) for name in names},
-        censored={name: np.concatenate([own, points]) for name, own in signs.items()},
+        censored={n: np.concatenate([of_n, points]) for n, of_n in signs.items()},
         labels={n: [texts[row] for row in row_of] for n, texts in table.labels.items()},
         base=base,
         beside=tuple({curve.path: curve for curve in curves.values()}.values()),
@@ -78,8 +78,8 @@ def _read_curve(table: SceneTable, row: int, name: str) -> SceneTable:
     if not path.is_file():
         raise InputError(f"names {name}, which is no file in {path.parent}", **place)
     curve = read_table(path, measured=True)
-    given = [*curve.numbers, *curve.labels]
-    for column in given:
+    columns = [*curve.numbers, *curve.labels]
+    for column in columns:
         if column not in (TIME_COLUMN, *OF_CURVES):
             raise InputError(
                 f"belongs into {table.path.name}: a curve holds {TIME_COLUMN} and "
@@ -87,7 +87,7 @@ def _read_curve(table: SceneTable, row: int, name: str) -> SceneTable:
                 file=path,
                 column=column,
             )
-    if TIME_COLUMN not in given or not {*given} & {*CURVE_COLUMNS}:
+    if TIME_COLUMN not in columns or not {*columns} & {*CURVE_COLUMNS}:
         raise InputError(
             f"must have {TIME_COLUMN} and {' or '.join(CURVE_COLUMNS)}", file=path
         )
