@@ -42,7 +42,7 @@ TOGETHER = 0.9
 """Fraction of the members that agree at which a search ends."""
 AGREED = 0.5
 """Fraction of the members that agree from which the others are on their way there."""
-PATIENCE, WORTH = 8, 0.01
+PATIENCE, WORTH = 12, 0.01
 """Number of generations in which the lowest cost must fall by this fraction of s^2 for
 a search about a fit to go on."""
 FAILED = 1e12

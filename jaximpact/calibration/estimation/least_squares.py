@@ -64,6 +64,9 @@ ROUGH = Tolerance(1e-2, 1e-3, 30)
 FINE = Tolerance(1e-4, 1e-7, 80)
 """Of the reported fit: a hundredth of a standard error. It is mostly far closer; where
 it is not, the errors of integration hide the rest."""
+FLAT = 1e-2
+"""Promised fall, over max(1, s^2), at which a fit whose cost no longer falls is at a
+minimum: beside a jump more is promised."""
 ENOUGH = 1e-2
 """Part of the promise of a tolerance at which a fit ends at once."""
 
@@ -153,7 +156,6 @@ def _fit_one(
         # A start at a bound is lower than what is inside where nothing moves it.
         points = end if end.cost[0] < points.cost[0] else points
         steps += found.nfev
-        # By the fall of the cost, in a step that fell as far as it promised.
         is_flat = found.status in (2, 4)
         promise = _promise(objective, points, free)
     reason = Reason.stuck
@@ -161,7 +163,7 @@ def _fit_one(
         reason = Reason.converged
     elif np.any(objective.failed(points.predicted)):
         reason = Reason.failed
-    elif is_flat:
+    elif is_flat and promise <= FLAT:
         reason = Reason.flat
     elif steps > tolerance.evaluations:
         reason = Reason.step_limit
@@ -249,6 +251,8 @@ def bounded_step(
     # Where a bound is reached there is no room on one side; the solver wants some.
     low, high = np.minimum(room[0], -1e-300), np.maximum(room[1], 1e-300)
     found = lsq_linear(rows, right, (low, high), method="bvls")
-    step[free] = np.clip(found.x, *room) / scale
+    step[free] = np.clip(
+        found.x / scale, (bounds.low - x)[free], (bounds.high - x)[free]
+    )
     fall = -(gradient @ step + 0.5 * step @ hessian @ step)
     return step, max(float(fall), 0.0)

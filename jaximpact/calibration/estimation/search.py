@@ -15,7 +15,7 @@ MANY_TESTS, SOME_TESTS = 200, 100
 """Above the first number of tests, a population searches with about the second number
 of them, sampled with the study's seed: enough to locate minima to some standard
 errors."""
-LEAST_MEMBERS = 24
+LEAST_MEMBERS = 48
 """Least size of a population about a fit."""
 SAME = 1e-3
 """Fraction of s^2, and of the cost, by which a fit may end above the best one and still
@@ -53,9 +53,12 @@ def fit_places(objective: Objective) -> tuple[Fits, Population | None]:
     study, rough = objective.study, objective.rough()
     population, places = None, start_of(study)[None]
     if study.starts > 1:
-        many = len(study.measured) > MANY_TESTS
-        part = rough.of_tests(some_tests(study)) if many else rough
-        population = search(part, study.starts)
+        part, step = rough, ""
+        if len(study.measured) > MANY_TESTS:
+            chosen = some_tests(study)
+            part, step = rough.of_tests(chosen), f"{len(chosen)} tests, "
+        with within(step):
+            population = search(part, study.starts)
         places = population.places(PLACES)
     with within("best places, "):
         ends = fit(rough, places, method=study.method, tolerance=ROUGH)
@@ -112,11 +115,16 @@ def fit_beside_jump(
     root = error_root(coarse, points)
     draws = draws_about(coarse, points, root, members - 1)
     others = points.x if others is None else np.concatenate([points.x, others])
-    population = search_about(coarse, np.concatenate([others, draws]))
-    # At the finer accuracy a test may be on the other side of the jump.
+    about = np.concatenate([others, draws])
+    population = search_about(coarse, about)
     x = np.concatenate([fits.points.x, population.x[:PLACES]])
-    cost = objective.values(x).cost
-    end = fit(objective, x[[np.argmin(cost)]])
+    lowest = objective.values(x)
+    lowest = lowest.take([np.argmin(lowest.cost)])
+    if lowest.cost[0] > population.cost[0] + objective.unit(population.cost[0]):
+        # At the finer accuracy a test is on the other side of the jump.
+        population = search_about(objective, np.concatenate([lowest.x, about]))
+        lowest = lowest._replace(x=population.x[:1])
+    end = fit(objective, lowest.x)
     reasons = end.reasons if end.reasons[0].at_minimum else [Reason.edge]
     return Fits(end.points, reasons, end.steps + fits.steps)
 
