@@ -1,8 +1,8 @@
 """Linear algebra with positive matrices that may be singular, never an exception.
 
-Inverse and solution scale a matrix to a unit diagonal first, so that unknowns of very
-different influence keep their digits beside each other; the pseudo-inverse leaves out
-what vanishes beside the largest.
+The inverse scales a matrix to a unit diagonal first, so that unknowns of very different
+influence keep their digits beside each other; the pseudo-inverse leaves out what
+vanishes beside the largest.
 """
 
 import numpy as np
