@@ -259,7 +259,7 @@ def write_geojson(path: Path, layer: Layer, code: int) -> None:
 
     def in_degrees(positions: np.ndarray) -> np.ndarray:
         easting, northing, height = positions.T
-        # Lists: pyproj takes an array of one number for a scalar, which is deprecated.
+        # Lists: an array of one number is deprecated by NumPy before 2.4.
         degrees = to_degrees(easting.tolist(), northing.tolist())
         return np.stack([*degrees, height], axis=1)
 
