@@ -296,9 +296,9 @@ def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
         model = predictive(values, weights, 0.0)
         if model is None:
             continue
+        positive = study.targets[target] in NEVER_NEGATIVE
         of_one = predictive(
-            *(values, weights, sigma[cell], freedom[target]),
-            positive=study.targets[target] in NEVER_NEGATIVE,
+            values, weights, sigma[cell], freedom[target], positive=positive
         )
         assert of_one is not None  # the model has a value
         for distribution, parts in ((model, OF_MODEL), (of_one, OF_MEASUREMENT)):

@@ -180,7 +180,10 @@ def _scored(
     predictions, densities = [], []
     for name, _, group in groups:
         one = held_out(
-            *(fit.objective, fit.points, fit.uncertainty, group),
+            fit.objective,
+            fit.points,
+            fit.uncertainty,
+            group,
             exact=exact or contender.is_rebound or name != TEST,
         )
         inside = group >= 0

@@ -113,7 +113,9 @@ def _examine(
     wanted = study.candidates
     single, together = (
         suggest_tests(
-            *(variant, wanted.axes, wanted.measure),
+            variant,
+            wanted.axes,
+            wanted.measure,
             together=together,
             count=wanted.count,
             criterion=wanted.criterion,
