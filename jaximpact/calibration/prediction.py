@@ -283,7 +283,6 @@ def scatter(
 
 
 def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
-    """Compute quantiles and scores of every test and target."""
     shape = study.measured.shape
     names = *OF_MODEL, *OF_MEASUREMENT, "crps", "mean_crps", "limit_chance"
     cells = {name: np.full(shape, np.nan) for name in names}

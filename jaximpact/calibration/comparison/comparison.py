@@ -219,7 +219,6 @@ def _each_test(study: Study) -> Groups:
 
 
 def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
-    """Group the tests by each column."""
     if by is None:
         labels = {CAMPAIGN: study.tests.labels[CAMPAIGN], SHAPE: study.tests.shapes}
         by = [name for name, of_tests in labels.items() if len(set(of_tests)) > 1]

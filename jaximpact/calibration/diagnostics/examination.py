@@ -333,7 +333,6 @@ def not_described(result: StudyResult, variant: VariantResult) -> list[str]:
 def _large_misfit(
     result: StudyResult, variant: VariantResult, place: int, name: str
 ) -> list[str]:
-    """Warn of a fit that is no better than the mean of the measurements."""
     misfit = _misfit(result, variant, place)
     if misfit is None:
         return []

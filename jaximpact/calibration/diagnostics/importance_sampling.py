@@ -266,6 +266,5 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
 
 
 def _squares(objective: Objective, predicted) -> np.ndarray:
-    """Compute sums of squared residuals, shape (draws, targets)."""
     u = (predicted - objective.study.measured) / objective.sigma
     return np.sum(np.where(objective.study.exact & np.isfinite(u), u, 0.0) ** 2, axis=1)

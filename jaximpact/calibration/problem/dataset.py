@@ -290,7 +290,6 @@ def _with_curves(table: SceneTable) -> SceneTable:
 
 
 def _read_curve(table: SceneTable, row: int, name: str) -> SceneTable:
-    """Read the file of a curve: times and forces, and their sigmas."""
     place = {"file": table.path, "row": int(table.lines[row]), "column": CURVE_FILE}
     path = table.path.parent / name
     if not path.is_file():
@@ -329,7 +328,6 @@ def _joined_base(files: tuple[SceneTable, ...]) -> Scene:
 
 
 def _kinds_of(shape: AbstractShape, count: int) -> list[type[AbstractShape]]:
-    """List the shape of each test."""
     if isinstance(shape, MixedShapes):
         return [shape.kinds[int(place)] for place in shape.index]
     return [type(shape)] * count
