@@ -119,8 +119,8 @@ def sample(
         standard, x, inside = _propose(random, proposals[-1], count // parts, between)
         proposals[-1] = proposals[-1]._replace(inside=inside)
         with within(f"round {number}, "):
-            points = at_first.values(x)
-        rounds.append((standard, x, points.cost, points.predicted))
+            drawn = at_first.values(x)
+        rounds.append((standard, x, drawn.cost, drawn.predicted))
         standard, x, cost, predicted = map(np.concatenate, zip(*rounds, strict=True))
         mixture = [proposal.log_density(standard) for proposal in proposals]
         log_weight = -cost / inflation - np.logaddexp.reduce(mixture, axis=0)
