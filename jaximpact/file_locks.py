@@ -26,14 +26,9 @@ POLL = 0.05
 
 
 def lock(descriptor: int, *, wait: bool) -> None:
-    """Lock an open file, whose position goes to its start.
-
-    Args:
-        wait: until no other process has the lock.
-
-    Raises BlockingIOError if another process has it and this one does not wait, and
-    OSError where there are no locks.
-    """
+    """Lock an open file, whose position goes to its start. Raises BlockingIOError if
+    another process has the lock and this one does not wait, OSError where there are no
+    locks."""
     if fcntl is not None:
         fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         return

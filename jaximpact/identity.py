@@ -125,8 +125,6 @@ _clearing: list[Callable[[], None]] = [
 
 
 class _Known(NamedTuple):
-    """Users' code as it was seen."""
-
     roots: tuple
     first: tuple[Atom, ...]
     """Before anything was traced; digests are of this."""
@@ -147,15 +145,12 @@ def clear_when_edited(clear: Callable[[], None]) -> None:
 
 def heed_edits(structure) -> None:
     """Forget all that was compiled or worked out for classes, if a user's class in a
-    tree has changed in this process: by an edit that a notebook has reloaded, or by a
-    constant with another value.
+    tree of this structure has changed in this process: by an edit that a notebook has
+    reloaded, or by a constant with another value.
 
     Costs a microsecond where all is the package's, else a tenth of a millisecond a
     class. What a user has put into a `jax.jit` of his own stays as it was traced, as
     everywhere in JAX, until a call outside finds the change.
-
-    Args:
-        structure: of the tree.
     """
     users = _users_code_of(structure)
     if not users:

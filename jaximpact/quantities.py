@@ -71,7 +71,7 @@ class InputColumn:
         units = UNITS.get(self.unit, {})
         for other, size in units.items():
             value = size * number
-            if other == unit or not self.holds(value) or not self.is_usual(value):
+            if other == unit or not self.is_allowed(value) or self.is_unusual(value):
                 continue
             if other != "%" or 1.0 < number <= 100.0:
                 meant = f"{value / units[unit]:.4g} {unit}".removesuffix(" -")
@@ -87,26 +87,15 @@ class InputColumn:
         if unit != self.unit:
             text += f" = {value:.4g} {self.unit}"
         text += where
-        if self.holds(value):
+        if self.is_allowed(value):
             usual = "usual are {:g} to {:g} {}".format(*self.usual, self.unit)
             text += "; " + usual.removesuffix(" -")
         return text + self.hint(number, unit)
-
-    def is_usual(self, value: float) -> bool:
-        """Tell whether a value, in the column's unit, is within the usual ones."""
-        low, high = self.usual
-        return low <= value <= high
 
     def is_unusual(self, values) -> np.ndarray:
         """Tell which values, in the column's unit, are beyond the usual ones."""
         low, high = self.usual
         return (values < low) | (values > high)
-
-    def holds(self, value: float) -> bool:
-        """Tell whether one value, in the column's unit, is finite and in range."""
-        above = value >= self.lower if self.lower_allowed else value > self.lower
-        below = value <= self.upper if self.upper_allowed else value < self.upper
-        return above and below and math.isfinite(value * self.factor)
 
     def is_allowed(self, values) -> np.ndarray:
         """Tell which values, in the column's unit, are finite and in range."""
@@ -208,7 +197,6 @@ def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
 
 
 def _default_kinds(whole: type) -> dict[str, Any]:
-    """Return the classes that the fields of a scene, block or soil have by default."""
     return {field.name: field.default_factory for field in dataclasses.fields(whole)}
 
 

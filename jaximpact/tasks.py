@@ -54,12 +54,8 @@ Result = TypeVar("Result")
 class Task:
     """A function of a module with its first arguments, to be called in any process.
 
-    Args:
-        function: of a module that workers can import.
-        arguments: what can be pickled. Laws and shapes of a file of the user's are
-            found by its path, which workers must see.
-
-    Raises InputError for what cannot be pickled.
+    Workers must be able to import the module, and to see files with laws and shapes of
+    the user's. Raises InputError for arguments that cannot be pickled.
     """
 
     def __init__(self, function: Callable, *arguments):
@@ -100,7 +96,6 @@ _versions = functools.cache(versions)
 
 
 def _check_versions(sent: dict[str, str]) -> None:
-    """Raise InputError unless this process has the versions of the sender."""
     other = [
         f"{name} {here} in place of {sent.get(name)}"
         for name, here in _versions().items()
@@ -114,9 +109,8 @@ def _check_versions(sent: dict[str, str]) -> None:
 
 
 def set_up_process(cache: str | None) -> None:
-    """Set JAX to float64, and what is compiled to be kept, in the process of a worker.
-
-    A process that computes in float64 already is left as it is.
+    """Set JAX to float64, and what is compiled to be kept, in the process of a worker;
+    one that computes in float64 already is left as it is.
 
     Args:
         cache: directory of compiled code that the sender was told, unless this process
@@ -320,22 +314,15 @@ def run_in_threads(
 
 
 class WorkerlessWarner:
-    """Function that warns where nothing finishes since a client has no workers left.
-
-    Args:
-        client: of Dask; None for engines that say themselves what they lack.
-    """
+    """Function that warns where nothing finishes since a client of Dask has no workers
+    left; None stands for engines that say themselves what they lack."""
 
     def __init__(self, client: Any):
         self._client, self._last, self._warned = client, time.monotonic(), False
 
     def __call__(self, *, finished: bool) -> None:
         """Look for workers if nothing has finished for long; warn once if there are
-        none.
-
-        Args:
-            finished: whether anything has, since the last call.
-        """
+        none."""
         now = time.monotonic()
         if finished:
             self._last, self._warned = now, False

@@ -21,9 +21,9 @@ import pandas as pd
 
 from jaximpact._packages import version_of, versions
 from jaximpact._precision import require_float64
+from jaximpact._tables import align
 from jaximpact.errors import InputError
 from jaximpact.io.checks import chosen_values
-from jaximpact.io.display import align
 from jaximpact.io.files import replacing, write_text
 from jaximpact.io.output_files import NewFile, output_directory
 from jaximpact.plotting.style import save_figure

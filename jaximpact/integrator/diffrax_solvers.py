@@ -130,10 +130,8 @@ def solver_step(
 
 
 def usable_solver(solver: diffrax.AbstractSolver) -> diffrax.AbstractAdaptiveSolver:
-    """Complete a user's solver for `solver_step`.
-
-    Raises InputError for one that cannot integrate an impact.
-    """
+    """Complete a user's solver for `solver_step`. Raises InputError for one that cannot
+    integrate an impact."""
     name = type(solver).__name__
     if not isinstance(solver, diffrax.AbstractAdaptiveSolver):
         raise InputError(

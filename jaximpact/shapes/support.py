@@ -27,15 +27,8 @@ SAME = 1e-12
 
 
 def farthest_direction(shape, axes, along, across):
-    """Find the direction in which a point is farthest outside of a block.
-
-    Args:
-        shape, axes: shape and half sizes of the block.
-        along, across: coordinates of the point [m].
-
-    Returns:
-        A unit vector. Of a point inside, a direction in which it is not deep.
-    """
+    """Find the direction, a unit vector, in which a point is farthest outside of a
+    block; of a point inside, a direction in which it is not deep."""
     p = jnp.abs(along), jnp.abs(across)
     first = _Try.of(shape, axes, p, jnp.ones_like(along), jnp.zeros_like(along))
     last = _Try.of(shape, axes, p, jnp.zeros_like(along), jnp.ones_like(along))
