@@ -17,7 +17,6 @@ from .simd import KernelSet
 from .simd.driver import Driver
 from .threads import thread_count
 
-
 _registered: dict[str, tuple[KernelSet, Driver]] = {}
 """Operations by name; both must live as long as JAX may call them: for ever."""
 _lock = threading.Lock()

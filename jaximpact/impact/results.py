@@ -17,7 +17,7 @@ from .._types import Scalar
 from ..errors import InputError
 from ..laws import Branch
 from ..parameters import with_unit
-from ..quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
+from ..quantities import ENERGY_COLUMNS
 from .dynamics import Work, elastic_energy, kinetic_energy
 from .events import Outcome
 from .problem import Problem
@@ -357,16 +357,6 @@ class ImpactSummary(eqx.Module):
         # Also for who prints all numbers: what is computed with it is checked again.
         with jax.debug_nans(False), own_transfers():
             return xp.where(xp.abs(value) > LARGEST_DEFINED, xp.nan, value)
-
-    def __repr__(self) -> str:
-        columns = {**RESULT_COLUMNS, **FURTHER_COLUMNS}.values()
-        units = {column.field: column.unit for column in columns}
-        fields = [field.name for field in dataclasses.fields(ImpactSummary)]
-        names = ["e_t" if name == "tangential_ratio" else name for name in fields]
-        inside = (
-            f"{n}={with_unit(getattr(self, n), units.get(n, '-'))}" for n in names
-        )
-        return f"{type(self).__name__}({', '.join(inside)})"
 
 
 class Solution(NamedTuple):

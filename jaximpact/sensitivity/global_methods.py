@@ -291,7 +291,7 @@ def _estimate(
     values: np.ndarray,
     parameters: int,
     of_method: Mapping[str, tuple[str, str, str]],
-    analyze: Callable[[np.ndarray], Mapping],
+    analyze: Callable[[Any], Mapping],
 ) -> tuple[dict[str, Any], np.ndarray]:
     """Estimate the variables of a method for one output; NaN, with the reason, where
     the groups that have all their values do not suffice.

@@ -210,7 +210,7 @@ def shape_by_shape(function: Callable, lanes: Any, *further: Any) -> Any:
 
         def put(leaf, whole=None, chosen=chosen):
             """Put results, of NumPy or of JAX, into those of all lanes."""
-            xp = np if isinstance(leaf, np.ndarray) else jnp
+            xp: Any = np if isinstance(leaf, np.ndarray) else jnp
             if whole is None:
                 whole = xp.zeros((*shape, *leaf.shape[1:]), leaf.dtype)
             if xp is jnp:
