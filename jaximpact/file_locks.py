@@ -18,9 +18,6 @@ try:
 except ImportError:  # POSIX
     msvcrt = None
 
-LOCKED_BYTE = 2**30
-"""Place of the byte that is locked on Windows, behind whatever the file holds: there
-nobody else can read what is locked."""
 POLL = 0.05
 """Seconds between looks, on Windows, for the end of another's lock."""
 
@@ -42,7 +39,8 @@ def _lock_byte(descriptor: int) -> bool:
     """Lock a byte of a file as Windows does; False if another process has it."""
     if msvcrt is None:
         raise OSError(errno.ENOTSUP, "the system has no locks")
-    os.lseek(descriptor, LOCKED_BYTE, os.SEEK_SET)
+    # Behind whatever the file holds: nobody else can read what is locked.
+    os.lseek(descriptor, 2**30, os.SEEK_SET)
     try:
         msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # pyright: ignore
     except PermissionError:

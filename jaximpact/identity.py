@@ -24,9 +24,6 @@ from . import parameters
 from .code_state import PACKAGE, Atom, digest, plain_values, walk
 from .parameters import Composite, Part, parts_of
 
-MOST_VALUES = 8
-"""Most constants of a law that its name in a manifest lists."""
-
 
 def part_names(*wholes: Composite) -> dict[str, str]:
     """Name the parts of soil and block as a manifest tells them: what each is for, its
@@ -51,7 +48,7 @@ def name_of(kind: type[Part]) -> str:
     module = Path(file).stem if file else kind.__module__
     atoms = _state_of(kind, (kind,))
     values = [f"{name}={value}" for name, value in plain_values(atoms).items()]
-    details = [digest(atoms)[:16], *values[:MOST_VALUES]]
+    details = [digest(atoms)[:16], *values[:8]]
     return f"{module}.{kind.__qualname__} ({', '.join(details)})"
 
 

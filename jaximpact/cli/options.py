@@ -124,8 +124,6 @@ SETTINGS = {
     "distributed.worker.memory.monitor-interval": "500ms",
 }
 """Settings of Dask, of which workers of this machine inherit all."""
-NUMBERS_PER_WORKER = 25e6
-"""Least memory of a worker that has loaded JAX, in numbers of eight bytes."""
 
 
 def add_engine(parser: argparse.ArgumentParser) -> None:
@@ -179,7 +177,8 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
     with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
         address, count = arguments.scheduler, arguments.workers
         if count is not None:
-            check_memory(count * NUMBERS_PER_WORKER, f"{count} workers")
+            # A worker that has loaded JAX takes 200 MB.
+            check_memory(25e6 * count, f"{count} workers")
             setting = "temporary-directory"
             place = dask.config.get(setting, None)
             scratch = Path(tempfile.mkdtemp(prefix="jaximpact-", dir=place))

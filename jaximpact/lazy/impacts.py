@@ -48,8 +48,6 @@ BLOCK_BYTES = 8 * 2**17
 """Bytes of one number of all impacts of a block where chunks are "auto": 131 072
 impacts, some seconds of work of a core, which a scheduler can wait for and a worker may
 lose. All numbers of them take 26 MB."""
-NUMBERS_PER_BLOCK = 256
-"""Least memory that Dask needs for a block's tasks, in numbers of eight bytes."""
 Chunks = int | str | tuple | Mapping[str, Any]
 """Lengths of blocks: as `xarray.Dataset.chunk` and `dask.array` take them."""
 
@@ -138,7 +136,7 @@ def lazy_grid(
     lengths = _lengths(sizes, chunks)
     blocks = math.prod(map(len, lengths.values()))
     check_memory(
-        blocks * NUMBERS_PER_BLOCK,
+        256 * blocks,  # the least memory that Dask needs for their tasks
         f"tasks for {blocks} blocks (larger chunks make fewer)",
     )
     arrays = {}

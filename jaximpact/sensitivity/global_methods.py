@@ -45,8 +45,6 @@ from .ranges import (
 
 LEVELS = 4
 """Levels of the grid on which the trajectories run; the usual number."""
-LARGEST_SEED = 2**32 - 2
-"""SALib's own limit, less the one that is added."""
 BOOTSTRAP = {"num_resamples": 200, "conf_level": 0.95}
 """Resamples, and probability of the confidence intervals."""
 
@@ -184,7 +182,8 @@ class _Study(NamedTuple):
         base = as_scene(base)
         check_scene(base)
         checked, columns = check_ranges(base, ranges), output_columns(outputs)
-        whole_number("seed", seed, 0, LARGEST_SEED)
+        # SALib's own limit, less the one that is added.
+        whole_number("seed", seed, 0, 2**32 - 2)
         return cls(base, checked, columns, seed, get_accuracy(accuracy))
 
     def check_size(self, groups: int, name: str, impacts: int) -> None:
