@@ -5,8 +5,8 @@ import functools
 import math
 import os
 import warnings
-from collections.abc import Collection, Iterable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Collection, Iterable
+from typing import Any
 
 import jax
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .._checks import expect, real_numbers
 from .._jax_internals import Tracer, broadcast_shapes
-from ..errors import InputError, UnusualValueWarning, nearest
+from ..errors import InputError, UnusualValueWarning
 from ..identity import heed_edits, is_ours
 from ..parameters import parts_of
 from ..part_checks import check_part
@@ -28,7 +28,6 @@ from ..quantities import (
 )
 from ..scene import Block, Impact, Scene, Soil
 
-Chosen = TypeVar("Chosen")
 KINDS = {"block": Block, "soil": Soil, "impact": Impact}
 
 
@@ -227,17 +226,3 @@ def checked_names(
         if names.count(name) > 1:
             raise InputError(f"{kind} {name} stands twice; remove one")
     return names
-
-
-def chosen_values(
-    option: str, names: Collection[str], known: Mapping[str, Chosen]
-) -> list[Chosen]:
-    """Return the known values of the given names, in the order of the known; all for no
-    names. Raises InputError for a name that is not known, with the nearest known."""
-    for name in names:
-        if name not in known:
-            raise InputError(
-                f"{option} takes {', '.join(known)}, but got {name!r}; did you mean "
-                f"{nearest(name, known)!r}?"
-            )
-    return [value for name, value in known.items() if not names or name in names]
