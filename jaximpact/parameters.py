@@ -286,7 +286,8 @@ def parts_of(kind: type) -> dict[str, type[Part]]:
     return {f.name: f.metadata["base"] for f in fields if "base" in f.metadata}
 
 
-def _default_part(kind: type, slot: str) -> type[Part]:
+def default_part(kind: type, slot: str) -> type[Part]:
+    """Return the class that a slot of a composite has if none is given."""
     (field,) = (field for field in dataclasses.fields(kind) if field.name == slot)
     return cast(type[Part], field.default_factory)
 
@@ -321,7 +322,7 @@ class Composite(Module):
         for slot, base in parts_of(kind).items():
             given_part = named.pop(slot, None)
             if given_part is None:
-                given_part = _default_part(kind, slot)()
+                given_part = default_part(kind, slot)()
             elif isinstance(given_part, str):
                 given_part = find_part(slot, base, given_part)
             _check_part(f"{kind.__name__}.{slot}", base, given_part)
@@ -455,7 +456,7 @@ def _unusual_parts(whole: Composite) -> str:
     others = [
         f"{slot} {type(held).__name__}"
         for slot in parts_of(kind)
-        if type(held := vars(whole)[slot]) is not _default_part(kind, slot)
+        if type(held := vars(whole)[slot]) is not default_part(kind, slot)
     ]
     return f" with {' and '.join(others)}" if others else ""
 

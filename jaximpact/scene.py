@@ -217,8 +217,9 @@ class Scene(eqx.Module):
         return html_table(["Scene"], rows)
 
 
-PARTS = tuple(field.name for field in dataclasses.fields(Scene))
-
+KINDS = {"block": Block, "soil": Soil, "impact": Impact}
+"""Fields of a scene, and their classes."""
+PARTS = tuple(KINDS)
 
 SceneLike = Scene | Block | tuple[Block, Soil, Impact]
 """Objects of which `as_scene` makes a scene."""
@@ -243,7 +244,7 @@ def as_scene(
     components = {"block": scene, "soil": soil, "impact": impact}
     replaced = {name: value for name, value in components.items() if value is not None}
     for name, value in replaced.items():
-        expect(name, value, {"block": Block, "soil": Soil, "impact": Impact}[name])
+        expect(name, value, KINDS[name])
     return Scene(**replaced)
 
 

@@ -213,18 +213,13 @@ def run_tasks(
             )
             warn(finished=bool(done))
             for future in done:
-                place = running.pop(future)
-                error = error_of(future)
-                if error is None:
+                place, loss = running.pop(future), loss_of(future)
+                if loss is None:
                     take(place, future.result())
-                elif is_loss(error):
-                    lost.append(error)
-                    # A broken pool takes no more tasks.
-                    more = more and not isinstance(
-                        error, concurrent.futures.BrokenExecutor
-                    )
-                else:
-                    raise error
+                    continue
+                lost.append(loss)
+                # A broken pool takes no more tasks.
+                more &= not isinstance(loss, concurrent.futures.BrokenExecutor)
     finally:
         for future in running:
             future.cancel()
@@ -337,9 +332,9 @@ class WorkerlessWarner:
                 )
 
 
-def error_of(future: Any) -> BaseException | None:
-    """Return the error of a future that has finished, an InputError where a package is
-    missing."""
+def loss_of(future: Any) -> BaseException | None:
+    """Return the error of a future that has finished if a worker died; None if it has a
+    result. Raises its other errors, an InputError where a package is missing."""
     try:
         error = future.exception()
     except concurrent.futures.CancelledError as cancelled:
@@ -347,18 +342,13 @@ def error_of(future: Any) -> BaseException | None:
     # Of a scheduler that cannot unpickle a task Dask tells the reason as the cause.
     for one in (error, getattr(error, "__cause__", None)):
         if isinstance(one, ModuleNotFoundError):
-            missing = InputError(
+            raise InputError(
                 f"a worker or the scheduler has no module {one.name}; install the same "
                 "packages there as here"
-            )
-            missing.__cause__ = error
-            return missing
-    return error
-
-
-def is_loss(error: BaseException) -> bool:
-    """Tell whether a worker died, rather than what it was computing."""
+            ) from error
     names = {kind.__name__ for kind in type(error).__mro__}
-    return isinstance(error, concurrent.futures.BrokenExecutor) or bool(
-        names & {"KilledWorker", "CommClosedError", "CancelledError"}
-    )
+    if error is None or names & {
+        *("BrokenExecutor", "KilledWorker", "CommClosedError", "CancelledError")
+    }:
+        return error
+    raise error

@@ -21,6 +21,7 @@ from ..quantities import ENERGY_COLUMNS
 from .dynamics import Work, elastic_energy, kinetic_energy
 from .events import Outcome
 from .problem import Problem
+from .reduced_models import FORCES
 
 if TYPE_CHECKING:  # which takes a while to load
     import xarray as xr
@@ -29,7 +30,6 @@ Series = Float[Array, "*lanes times"]
 
 SCENE_DIMENSION = "scene"
 """Name of the dimension of scenes side by side."""
-FORCES = ("normal_force", "tangential_force", "moment")
 SERIES = {
     "time": ("s", "time since touch"),
     "penetration": ("m", "u_n, penetration of the centre"),

@@ -26,9 +26,7 @@ from ..quantities import (
     leaf_places,
     why_unknown,
 )
-from ..scene import Block, Impact, Scene, Soil
-
-KINDS = {"block": Block, "soil": Soil, "impact": Impact}
+from ..scene import KINDS, Scene, Soil
 
 
 def _memory() -> float:

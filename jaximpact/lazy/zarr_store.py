@@ -31,7 +31,7 @@ from ..io.files import check_writable, locked, naming
 from ..io.journal import Journal
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN
-from ..tasks import WorkerlessWarner, error_of, is_loss
+from ..tasks import WorkerlessWarner, loss_of
 
 FORMAT = 2
 """Format of the stores: the one in which texts of a fixed length are specified."""
@@ -327,13 +327,10 @@ def _on_client(
             finished = waiting.next_batch(block=False)
             warn(finished=bool(finished))
             for future in finished:
-                error = error_of(future)
-                if error is None:
+                if (loss := loss_of(future)) is None:
                     mark(numbers[future.key], future.result())
-                elif is_loss(error):
-                    lost.append(error)
                 else:
-                    raise error
+                    lost.append(loss)
             if not finished:
                 time.sleep(POLL)
     finally:
