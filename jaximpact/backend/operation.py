@@ -23,7 +23,7 @@ _lock = threading.Lock()
 
 
 def _name(kernels: KernelSet) -> str:
-    """Make kernels an operation of JAX, if they are none yet; return its name."""
+    """Make kernels an operation of JAX, if they are none yet, and return its name."""
     name = f"jaximpact_{kernels.digest}"
     with _lock:
         if name not in _registered:
