@@ -159,8 +159,8 @@ def prepare(
 
 
 def values_of(wanted: Request, values: list, times, in_jax: bool) -> Solution:
-    """Compute results without derivatives: `in_jax`, where JAX may trace or differentiate;
-    else values are known, and results are NumPy arrays."""
+    """Compute results without derivatives: `in_jax`, where JAX may trace or
+    differentiate; else values are known, and results are NumPy arrays."""
     chosen = _choose(wanted, values, [])
     if chosen is None:
         return _by_xla(wanted, values, times, [], in_jax)
