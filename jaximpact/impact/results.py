@@ -271,17 +271,9 @@ class EnergyLedger(NamedTuple):
     @property
     def residual(self) -> Scalar:
         """Error of the balance [J]: its left side less its right side."""
-        return (
-            self.kinetic_in
-            + self.gravity
-            + self.arm
-            + self.stiffness
-            - self.kinetic_out
-            - self.elastic
-            - self.viscoplastic
-            - self.slider
-            - self.dashpot
-        )
+        gains = self.kinetic_in + self.gravity + self.arm + self.stiffness
+        lost = gains - self.kinetic_out - self.elastic
+        return lost - self.viscoplastic - self.slider - self.dashpot
 
     def __repr__(self) -> str:
         items = (f"{name}={value}" for name, value, _ in self._rows())
