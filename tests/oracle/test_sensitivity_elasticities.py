@@ -2,6 +2,7 @@
 
 import dataclasses
 import importlib
+import sys
 import types
 
 import jax
@@ -148,9 +149,9 @@ class FakeModel:
 
     def __init__(self, monkeypatch, name, function):
         self.column, self.function = INPUT_COLUMNS[name], function
-        monkeypatch.setattr(
-            "jaximpact.sensitivity.elasticities.simulate_batch", self.simulate_batch
-        )
+        # Not by its dotted name, which is that of the function.
+        module = sys.modules[differences.__module__]
+        monkeypatch.setattr(module, "simulate_batch", self.simulate_batch)
 
     def simulate_batch(self, scene, accuracy):
         owner = getattr(scene, self.column.part)
