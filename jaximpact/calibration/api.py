@@ -142,7 +142,8 @@ class Calibration:
     def write(self, out: str | os.PathLike) -> None:
         """Write the report and its numbers, as `jaximpact calibrate` does."""
         with study_directory(
-            *(self.result.study, Path(out)),
+            self.result.study,
+            Path(out),
             posterior=any(one.samples is not None for one in self.examined),
             compared=self.others.compared is not None,
         ) as new:

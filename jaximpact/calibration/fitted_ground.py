@@ -155,8 +155,11 @@ def fitted_of(
         ),
         parameters=tuple(
             Parameter(
-                *(name, entry["start"], entry["lower"], entry["upper"]),
-                Prior(**entry["prior"]) if entry["prior"] else None,
+                name=name,
+                start=entry["start"],
+                lower=entry["lower"],
+                upper=entry["upper"],
+                prior=Prior(**entry["prior"]) if entry["prior"] else None,
             )
             for name, entry in manifest["parameters"].items()
         ),

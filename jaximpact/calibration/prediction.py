@@ -283,7 +283,6 @@ def scatter(
 
 
 def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
-    """Compute quantiles and scores of every test and target."""
     shape = study.measured.shape
     names = *OF_MODEL, *OF_MEASUREMENT, "crps", "mean_crps", "limit_chance"
     cells = {name: np.full(shape, np.nan) for name in names}
@@ -296,9 +295,9 @@ def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
         model = predictive(values, weights, 0.0)
         if model is None:
             continue
+        positive = study.targets[target] in NEVER_NEGATIVE
         of_one = predictive(
-            *(values, weights, sigma[cell], freedom[target]),
-            positive=study.targets[target] in NEVER_NEGATIVE,
+            values, weights, sigma[cell], freedom[target], positive=positive
         )
         assert of_one is not None  # the model has a value
         for distribution, parts in ((model, OF_MODEL), (of_one, OF_MEASUREMENT)):

@@ -113,7 +113,7 @@ def test_draws_in_parts_are_of_the_same_posterior():
     for factor in (0.01, 100.0):
         other = points._replace(jacobian=np.sqrt(factor) * points.jacobian)
         about = objective, objective.reevaluate(other)
-        found = draws.sample(objective, 1.0, about=about, parts=8, count=4000)
+        found = draws.sample(objective, points, 1.0, about=about, parts=8, count=4000)
         assert len(found.x) == 500 * len(found.effective_fraction)
         assert found.effective > draws.ENOUGH * 4000
         assert np.isnan(found.error)
@@ -122,7 +122,7 @@ def test_draws_in_parts_are_of_the_same_posterior():
         np.testing.assert_allclose(deviation, uncertainty.standard_errors, rtol=0.08)
     below = found.cost.min() + 1e-3
     enough = draws.sample(
-        objective, 1.0, about=about, enough_below=below, parts=8, count=4000
+        objective, points, 1.0, about=about, enough_below=below, parts=8, count=4000
     )
     assert len(enough.effective_fraction) <= len(found.effective_fraction)
     assert np.min(enough.cost) < below
@@ -139,6 +139,7 @@ def test_bands_of_a_line():
     np.testing.assert_allclose(width, 2.0 * 1.96 * spread, rtol=0.12)
     width = (found.measured_high - found.measured_low)[:, 0]
     np.testing.assert_allclose(width, 2.0 * 1.96 * np.hypot(spread, SIGMA), rtol=0.03)
+    assert np.all(found.failed_fraction == 0.0)
 
 
 @pytest.mark.parametrize("target", ["max_penetration_m", "final_sinking_m"])
@@ -166,6 +167,7 @@ def test_bands_where_nothing_is_predicted():
     gone[:, 2] = np.nan
     bands = bands_of(objective, found._replace(predicted=gone), 1.0)
     assert np.isnan(bands.low[2, 0])
+    assert bands.failed_fraction[2, 0] == 1.0
     assert np.all(np.isfinite(np.delete(bands.low, 2, axis=0)))
 
 

@@ -180,7 +180,10 @@ def _scored(
     predictions, densities = [], []
     for name, _, group in groups:
         one = held_out(
-            *(fit.objective, fit.points, fit.uncertainty, group),
+            fit.objective,
+            fit.points,
+            fit.uncertainty,
+            group,
             exact=exact or contender.is_rebound or name != TEST,
         )
         inside = group >= 0
@@ -216,7 +219,6 @@ def _each_test(study: Study) -> Groups:
 
 
 def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
-    """Group the tests by each column."""
     if by is None:
         labels = {CAMPAIGN: study.tests.labels[CAMPAIGN], SHAPE: study.tests.shapes}
         by = [name for name, of_tests in labels.items() if len(set(of_tests)) > 1]

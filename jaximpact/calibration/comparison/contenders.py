@@ -91,7 +91,6 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
 
 
 def _given(law, study: Study) -> Contender:
-    """Make a contender of an object."""
     kind = law if isinstance(law, type) else type(law)
     if issubclass(kind, AbstractRebound):
         return Contender(kind.words or kind.__name__, kind)
@@ -166,7 +165,6 @@ def _of_variant(variant: Variant, study: Study) -> Contender:
 
 
 def _replacing(variant: Variant, slot: str, part: Part) -> Contender:
-    """Make the ground of a variant with one law replaced."""
     name = f"{slot.replace('_', ' ')} {type(part).__name__}"
     if type(part) is USUAL[slot]:
         name += " (usual)"

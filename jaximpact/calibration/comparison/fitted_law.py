@@ -171,10 +171,11 @@ class LawPrediction(NamedTuple):
 
     def distribution(self, test: int, target: int) -> Predictive | None:
         """Make the distribution of one measurement; None where there is none."""
-        cell = test, target
         return predictive(
-            *(self.best[cell][None], np.ones(1)),
-            *(float(self.deviation[cell]), float(self.freedom[target])),
+            values=self.best[test, target][None],
+            weights=np.ones(1),
+            sigma=float(self.deviation[test, target]),
+            freedom=float(self.freedom[target]),
             positive=self.targets[target] in NEVER_NEGATIVE,
         )
 

@@ -196,7 +196,6 @@ def _left_out(
     group: np.ndarray,
     rests: Iterable[Rest],
 ) -> LeftOut:
-    """Predict each group by the fit to the rest."""
     study = objective.study
     predicted, deviation = np.full((2, *study.measured.shape), np.nan)
     of_whole = sizes(study, points.predicted[0])

@@ -114,7 +114,9 @@ def _examine(
     wanted = study.candidates
     single, together = (
         suggest_tests(
-            *(variant, wanted.axes, wanted.measure),
+            variant,
+            wanted.axes,
+            wanted.measure,
             together=together,
             count=wanted.count,
             criterion=wanted.criterion,
@@ -334,7 +336,6 @@ def not_described(result: StudyResult, variant: VariantResult) -> list[str]:
 def _large_misfit(
     result: StudyResult, variant: VariantResult, place: int, name: str
 ) -> list[str]:
-    """Warn of a fit that is no better than the mean of the measurements."""
     misfit = _misfit(result, variant, place)
     if misfit is None:
         return []

@@ -77,18 +77,17 @@ def draw(
         count: number of draws a round.
         seed: seed of the random numbers.
     """
-    draws = sample(
-        objective, inflation, about=(objective, points), count=count, seed=seed
-    )
+    draws = sample(objective, points, inflation, count=count, seed=seed)
     return check(draws, objective, inflation)
 
 
 @within("draws of the posterior: ")
 def sample(
     objective: Objective,
+    points: Points,
     inflation: float,
     *,
-    about: tuple[Objective, Points],
+    about: tuple[Objective, Points] | None = None,
     enough_below: float = -np.inf,
     parts: int = 1,
     count: int = COUNT,
@@ -97,13 +96,15 @@ def sample(
     """Sample as `draw`, at the lowest accuracy and without a check.
 
     Args:
-        about: objective and points of the first proposal, whose curvature may leave out
-            measurements: derivatives beside a jump say little about the other side.
+        about: objective and points of the first proposal, if not those of the fit: its
+            curvature may leave out measurements, since derivatives beside a jump say
+            little about the other side.
         enough_below: a cost; the rounds end where a draw has a lower one.
         parts: number of parts of a round, each of which has its own proposal.
     """
     random, at_first = np.random.default_rng(seed), objective.at(LADDER[0])
-    best, root = about[1].x[0], root_of(laplace(*about, inflation))
+    about = about or (objective, points)
+    best, root = points.x[0], root_of(laplace(*about, inflation))
     low, high = objective.bounds.low, objective.bounds.high
     size = len(best)
 
@@ -118,8 +119,8 @@ def sample(
         standard, x, inside = _propose(random, proposals[-1], count // parts, between)
         proposals[-1] = proposals[-1]._replace(inside=inside)
         with within(f"round {number}, "):
-            points = at_first.values(x)
-        rounds.append((standard, x, points.cost, points.predicted))
+            drawn = at_first.values(x)
+        rounds.append((standard, x, drawn.cost, drawn.predicted))
         standard, x, cost, predicted = map(np.concatenate, zip(*rounds, strict=True))
         mixture = [proposal.log_density(standard) for proposal in proposals]
         log_weight = -cost / inflation - np.logaddexp.reduce(mixture, axis=0)
@@ -266,6 +267,5 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
 
 
 def _squares(objective: Objective, predicted) -> np.ndarray:
-    """Compute sums of squared residuals, shape (draws, targets)."""
     u = (predicted - objective.study.measured) / objective.sigma
     return np.sum(np.where(objective.study.exact & np.isfinite(u), u, 0.0) ** 2, axis=1)

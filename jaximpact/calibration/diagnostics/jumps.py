@@ -55,6 +55,7 @@ def judge(objective: Objective, best: Fits, *, enough_below: float = -np.inf) ->
     uncertainty, study = estimate(smooth, points), objective.study
     draws = sample(
         objective,
+        best.points,
         uncertainty.inflation,
         about=(smooth, points),
         enough_below=enough_below,

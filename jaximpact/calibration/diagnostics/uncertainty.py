@@ -176,7 +176,6 @@ def _parts(objective: Objective, points: Points):
 
 
 def _of_loss(objective, u, exact, leverage, freedom):
-    """Compute h and v of every measurement."""
     study = objective.study
     of = losses(u, study.censored.ravel(), study.loss)
     mean_curvature = mean_square = 1.0

@@ -246,7 +246,6 @@ def _compare(top: Key, content: dict) -> CompareTable | None:
 
 
 def _texts(key: Key, value: Any, what: str) -> tuple[str, ...]:
-    """Read a text or a list of texts."""
     texts = [value] if isinstance(value, str) else value
     if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
         raise key.error(f"must be a {what} or a list of {what}s, but is {value!r}")
@@ -256,7 +255,6 @@ def _texts(key: Key, value: Any, what: str) -> tuple[str, ...]:
 def _held(
     top: Key, content: dict, whole: str, columns: Mapping[str, InputColumn]
 ) -> dict[str, float]:
-    """Read the numbers of the table `soil` or `block`."""
     entries = typed(top, content, whole, dict, {})
     values = {n: v for n, v in entries.items() if SLOTS.get(n) != whole}
     known = {name: c for name, c in columns.items() if c.part == whole}
@@ -264,7 +262,6 @@ def _held(
 
 
 def _data(top: Key, content: dict) -> list[Path]:
-    """List the tables that a study names."""
     key, directory = top["data"], top.file.parent
     if "data" not in content:
         raise key.error("is missing; it names the table of tests")

@@ -227,7 +227,9 @@ def forward_models(
     }
     return [
         ForwardModel(
-            *(study.tests, study.targets, columns),
+            study.tests,
+            study.targets,
+            columns,
             [
                 Impacts(programs[structure], here, leaves[programs[structure].varied].T)
                 for structure, here, leaves in shapes

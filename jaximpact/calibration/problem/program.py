@@ -173,7 +173,6 @@ class ImpactProgram:
         return filled
 
     def _of(self, accuracy: Accuracy, derivatives: bool) -> Callable:
-        """Return the compiled function of many impacts."""
         # XLA takes so long to compile that one program serves both.
         derivatives |= self.in_xla
         key = accuracy, derivatives

@@ -122,7 +122,6 @@ def _about_sigma(study: Study) -> str:
 
 
 def _fixed_quantities(study: Study) -> str:
-    """Describe the fixed quantities that no table states."""
     fitted = {p.name for p in study.parameters} | {n.name for n in study.nuisances}
     defaults = {
         name: column

@@ -170,7 +170,6 @@ def _manifest(result: StudyResult) -> dict:
 
 
 def _fitted_tests(study: Study) -> dict:
-    """Collect the ranges of the tests' inputs, and statistics of their results."""
     results = {}
     for target, name in enumerate(study.targets):
         exact = study.measured[study.exact[:, target], target]
