@@ -46,9 +46,6 @@ def flying():
     return simulate_runout(slope, release, FullModel("fast"), hop_threshold=0.0)
 
 
-# --- the case
-
-
 def test_slope_is_30_degrees_as_the_paper_rounds_it():
     assert round(np.degrees(SLOPE)) == 30
     profile = BiplanarCase().profile(Soil())
@@ -86,9 +83,6 @@ def test_the_sphere_comes_down_where_its_parabola_does(runs):
     assert np.max(off_the_parabola(runs)) < 1e-9
 
 
-# --- jumps
-
-
 def test_a_sphere_that_drops_jumps_by_the_square_of_its_coefficient():
     flat = Profile([0.0, 10.0], [0.0, 0.0])
     law = ClosedForm(ConstantCoefficients(0.7, 1.0))
@@ -120,9 +114,6 @@ def test_heights_are_the_largest_on_the_way(flying):
     assert np.all(flights.height <= sampled + missed + 1e-9)
     start = p.y - runs.profile.height(p.x)
     np.testing.assert_allclose(flights.rise, flights.height - start, atol=1e-12)
-
-
-# --- coefficients
 
 
 def test_a_law_of_constant_coefficients_has_these():
@@ -165,25 +156,18 @@ def test_coefficients_before_the_climb_are_those_of_the_impact(runs):
         assert with_climb.e_t[first] < without.e_t[first]
 
 
-# --- what claims are judged by
-
-
 @pytest.mark.slow
 def test_paths_are_apart_by_what_they_are_seen_to_be(runs):
     apart = paths_apart(runs)
     assert apart[0] == 0.0
     heights = []
     for block in range(0, runs.release.count, len(SPINS_DEGPS)):
-        way = runs.path(block, 0.01)
-        x, y = way["x"], way["y"]
-        # Set back on the ground a block may turn back a little: the first passage
-        ends = [int(np.argmax(x >= place)) for place in COMPARED_X]
-        heights.append(
-            [
-                np.interp(place, x[end - 1 : end + 1], y[end - 1 : end + 1])
-                for place, end in zip(COMPARED_X, ends, strict=True)
-            ]
-        )
+        path = runs.path(block, 0.01)
+        # Set back on the ground a block may turn back a little: the first passage.
+        ends = [int(np.argmax(path["x"] >= place)) for place in COMPARED_X]
+        around = [slice(end - 1, end + 1) for end in ends]
+        pairs = zip(COMPARED_X, around, strict=True)
+        heights.append([np.interp(x, path["x"][k], path["y"][k]) for x, k in pairs])
     found = np.max(np.abs(np.array(heights) - heights[0]), axis=1)
     # Chords of 0.01 s lie g/8 1e-4 s2 below the path.
     np.testing.assert_allclose(apart, found, rtol=0.0, atol=1e-3)

@@ -43,33 +43,26 @@ def test_barriers_are_read_in_si(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changes", "parts"),
+    ("message", "changes"),
     [
-        ({"heigth_m": 3}, ("barriers.1.heigth_m", "did you mean height_m?")),
-        ({"x_m": 0}, ("barriers.1.x_m", "between the ends", "but is 0")),
-        ({"x_m": 200}, ("barriers.1.x_m", "between the ends")),
-        ({"x_m": "a"}, ("barriers.1.x_m", "must be a number")),
-        ({"height_m": 0}, ("barriers.1.height_m", "above 0")),
-        ({"capacity_kJ": -1}, ("barriers.1.capacity_kJ", "above 0")),
-        ({"capacity_kJ": float("nan")}, ("barriers.1.capacity_kJ", "finite")),
-        ({"capacity_kJ": float("inf")}, ("barriers.1.capacity_kJ", "finite")),
-        ({"capacity_kJ": True}, ("barriers.1.capacity_kJ", "must be a number")),
-        ({"name": 3}, ("barriers.1.name", "must be a text")),
-        ({"name": " "}, ("barriers.1.name", "is empty")),
+        ("1.heigth_m: .* did you mean height_m", {"heigth_m": 3}),
+        ("1.x_m: .* between the ends .* but is 0", {"x_m": 0}),
+        ("1.x_m: .* between the ends", {"x_m": 200}),
+        ("1.x_m: must be a number", {"x_m": "a"}),
+        ("1.height_m: must be above 0", {"height_m": 0}),
+        ("1.capacity_kJ: must be above 0", {"capacity_kJ": -1}),
+        ("1.capacity_kJ: must be finite", {"capacity_kJ": float("nan")}),
+        ("1.capacity_kJ: must be finite", {"capacity_kJ": float("inf")}),
+        ("1.capacity_kJ: must be a number", {"capacity_kJ": True}),
+        ("1.name: must be a text", {"name": 3}),
+        ("1.name: is empty", {"name": " "}),
+        *((f"1.{missing}: is needed", {missing: None}) for missing in BARRIER),
     ],
 )
-def test_bad_barriers_are_refused(tmp_path, changes, parts):
-    with pytest.raises(InputError) as raised:
-        barriers(tmp_path, BARRIER | changes)
-    for part in ("slope.toml", *parts):
-        assert part in str(raised.value)
-
-
-@pytest.mark.parametrize("missing", BARRIER)
-def test_what_a_barrier_needs(tmp_path, missing):
-    given = {key: value for key, value in BARRIER.items() if key != missing}
-    with pytest.raises(InputError, match=rf"barriers\.1\.{missing}: is needed"):
-        barriers(tmp_path, given)
+def test_bad_barriers_are_refused(tmp_path, message, changes):
+    table = {k: v for k, v in (BARRIER | changes).items() if v is not None}
+    with pytest.raises(InputError, match=rf"slope.toml, key barriers\.{message}"):
+        barriers(tmp_path, table)
 
 
 def test_names_tell_barriers_apart(tmp_path):
@@ -143,37 +136,30 @@ def test_maps_of_true_lengths_are_not_warned_of(tmp_path, crs, origin):
 
 
 @pytest.mark.parametrize(
-    ("changes", "parts"),
+    ("message", "changes"),
     [
-        ({"origin": [1.0]}, ("profile.origin", "[easting, northing]")),
-        ({"origin": 3.0}, ("profile.origin", "must be a list")),
-        ({"origin": [1.0, "b"]}, ("profile.origin", "must be a number")),
-        ({"azimuth_deg": 361}, ("profile.azimuth_deg", "from 0")),
-        ({"azimuth_deg": -1}, ("profile.azimuth_deg", "from 0")),
-        ({"crs": "LV95"}, ("profile.crs", 'such as "EPSG:2056"')),
-        ({"crs": "EPSG:4326"}, ("profile.crs", "EPSG:4326 (WGS 84) is in degree")),
-        ({"crs": "EPSG:2225"}, ("profile.crs", "is in US survey foot")),
-        ({"crs": "EPSG:1999"}, ("profile.crs", "EPSG:1999", "register")),
+        (r"origin: .*\[easting, northing\]", {"origin": [1.0]}),
+        ("origin: must be a list", {"origin": 3.0}),
+        ("origin: must be a number", {"origin": [1.0, "b"]}),
+        ("azimuth_deg: .* from 0", {"azimuth_deg": 361}),
+        ("azimuth_deg: .* from 0", {"azimuth_deg": -1}),
+        ('crs: .* such as "EPSG:2056"', {"crs": "LV95"}),
+        (r"crs: .*EPSG:4326 \(WGS 84\) is in degree", {"crs": "EPSG:4326"}),
+        ("crs: .*is in US survey foot", {"crs": "EPSG:2225"}),
+        ("crs: .*EPSG:1999.*register", {"crs": "EPSG:1999"}),
         (
+            "origin: .*no place of EPSG:32632",
             {"origin": [1e30, 0], "crs": "EPSG:32632"},
-            ("profile.origin", "no place of EPSG:32632"),
         ),
-        ({"origin": [1e16, 1e16]}, ("profile.origin", "no place of EPSG:2056")),
-        ({"crs": 2056}, ("profile.crs", "must be a text")),
+        ("origin: .*no place of EPSG:2056", {"origin": [1e16, 1e16]}),
+        ("crs: must be a text", {"crs": 2056}),
+        *((f"{missing}: is needed beside", {missing: None}) for missing in PLACE),
     ],
 )
-def test_bad_places_are_refused(tmp_path, changes, parts):
-    with pytest.raises(InputError) as raised:
-        read_map_placement(tmp_path / "slope.toml", {"profile": PLACE | changes})
-    for part in ("slope.toml", *parts):
-        assert part in str(raised.value)
-
-
-@pytest.mark.parametrize("missing", PLACE)
-def test_a_place_needs_all_three(tmp_path, missing):
-    given = {key: value for key, value in PLACE.items() if key != missing}
-    with pytest.raises(InputError, match=rf"profile\.{missing}: is needed beside"):
-        read_map_placement(tmp_path, {"profile": given})
+def test_bad_places_are_refused(tmp_path, message, changes):
+    table = {k: v for k, v in (PLACE | changes).items() if v is not None}
+    with pytest.raises(InputError, match=rf"slope.toml, key profile\.{message}"):
+        read_map_placement(tmp_path / "slope.toml", {"profile": table})
 
 
 @pytest.mark.parametrize("package", ["pyproj", "pyogrio", "shapely"])

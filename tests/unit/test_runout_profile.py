@@ -32,12 +32,11 @@ def test_segments_descend_and_rise():
         (([0.0, 2.0, 1.0], [0.0] * 3), "x goes from 2 to 1 at point 3"),
         (([0.0, 0.0], [0.0, 1.0]), "x goes from 0 to 0 at point 2; a wall"),
         (([0.0, 0.0], [1.0, 1.0]), "at point 2, which is the point before once more"),
+        (([0.0, 5e-324, 9.0], [9, 5, 0]), r"goes from 0 to 4.94066e-324 at point 2"),
+        (([0.0, 5.0], [-9999.0] * 2), "y of point 1 is -9999, a mark for no data"),
         (([0.0, 1.0], [0.0, np.nan]), "y of point 2 must be finite, but is nan"),
         (([0.0, 1e9], [0.0, 1.0]), "x of point 2 must be within 1e[+]08 m of 0"),
-        (
-            ([0, 1], [0, 0], Soil(), np.radians(-6.0)),
-            r"friction_angle_deg must be in \[0, 90\) deg, but is -0.10.* segment 1",
-        ),
+        (([0, 1], [0, 0], Soil(), -0.1), r"in \[0, 90\) deg, but is -0.10.* segment 1"),
         (
             ([0, 1, 2], [0, 0, 0], Soil(), 0.1, [0.1, np.nan]),
             r"roughness_deg must be in \[0, 30\] deg, but is nan .*on segment 2",
@@ -52,9 +51,8 @@ def test_segments_descend_and_rise():
     ],
 )
 def test_what_is_no_profile_is_refused_in_a_line(arguments, said):
-    with pytest.raises(ValueError, match=said) as error:
+    with pytest.raises(ValueError, match=rf"{said}[^\n]*$"):
         Profile(*arguments)
-    assert "\n" not in str(error.value)
 
 
 def test_a_file_gives_points_and_ground(tmp_path):
@@ -95,15 +93,8 @@ def test_a_file_gives_points_and_ground(tmp_path):
 def test_a_bad_file_is_refused_in_a_line(tmp_path, text, said):
     path = tmp_path / "slope.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match=said) as error:
+    with pytest.raises(InputError, match=rf"slope.csv.*{said}[^\n]*$"):
         read_profile(path)
-    assert str(path) in str(error.value)
-    assert "\n" not in str(error.value)
-
-
-def test_a_missing_file_is_refused_in_a_line(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
-        read_profile(tmp_path / "none.csv")
 
 
 def test_the_measured_profile_of_the_repository_is_a_study():
@@ -207,16 +198,6 @@ def test_slopes_that_are_none_on_earth_are_warned_of(x, y, said):
     with pytest.warns(UnusualValueWarning, match=said) as caught:
         Profile(x, y)
     assert len(caught) == 1
-
-
-def test_points_of_which_none_is_known():
-    with pytest.raises(ValueError, match="y of point 1 is -9999, a mark for no data"):
-        Profile(X, np.full(len(X), -9999.0))
-
-
-def test_a_wall_has_some_width():
-    with pytest.raises(ValueError, match=r"goes from 0 to 4.94066e-324 at point 2"):
-        Profile([0.0, 5e-324, 9.0], [9.0, 5.0, 0.0])
 
 
 def test_a_block_far_above_the_ground_is_warned_of():
