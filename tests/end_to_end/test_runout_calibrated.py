@@ -59,7 +59,7 @@ def fit(**changes):
     values = values[(values[:, 2] >= 0.0) & (values[:, 2] <= 1.0)]
     # The unknowns of a fit hold what differs between campaigns too.
     values = np.insert(values, 1, 99.0, axis=1)
-    variant = {
+    variant = {key: {} for key in ("profiles", "fit", "parts")} | {
         "name": "as given",
         "soil": {"k_E": 700.0},
         "parameters": {
@@ -73,32 +73,24 @@ def fit(**changes):
             "weights": np.ones(len(values)).tolist(),
             "accuracy": dataclasses.asdict(PRESETS["balanced"]),
         },
-        "profiles": {},
-        "fit": {},
-        "parts": {},
         "uncertainty": {"inflation": 1.0},
-    } | changes
-    ranges = ((0.01, 10.0), (0.05, 500.0), (0.0, 1.0))
-    parameters = {
-        name: {"start": high, "lower": low, "upper": high, "prior": None}
-        for name, (low, high) in zip(NAMES, ranges, strict=True)
     }
-    manifest = {
+    ranges = ((0.01, 10.0), (0.05, 500.0), (0.0, 1.0))
+    empty = ("block", "parts", "tied", "nuisances", "versions")
+    manifest = {key: {} for key in empty} | {
         "soil": {"k_E": 500.0, "beta": 0.8},
-        "block": {},
-        "parts": {},
-        "tied": {},
-        "parameters": parameters,
-        "nuisances": {},
+        "parameters": {
+            name: {"start": high, "lower": low, "upper": high, "prior": None}
+            for name, (low, high) in zip(NAMES, ranges, strict=True)
+        },
         "targets": [],
         "accuracy": {"name": "balanced"},
         "seed": 0,
-        "versions": {},
     }
     return {
         "format": FORMAT,
         "title": "sand",
-        "variants": [variant],
+        "variants": [variant | changes],
         "simple_laws": [],
         "comparison": None,
         "manifest": manifest,

@@ -120,20 +120,6 @@ def test_nothing_is_averaged_over_failures(slope_results):
     )
 
 
-def test_energy_of_a_block_is_what_the_slope_gives(slope_results):
-    """Nothing exceeds what it had at release and by its fall."""
-    dataset = slope_results.dataset
-    fall = dataset.mass_kg * 9.81 * (dataset.release_y_m - 0.0)
-    given = dataset.energy_at_release_J + fall
-    assert np.all(dataset.max_energy_J <= given * (1.0 + 1e-9))
-    assert np.all(dataset.max_energy_J >= dataset.energy_at_release_J)
-    stopped = dataset.ending == "stopped"
-    assert np.all(dataset.energy_at_end_J.values[stopped] == 0.0)
-    # At a collector it is in the bin's maximum too.
-    at = dataset.passage_energy_J.sel(collector=60.0)
-    assert at.max() <= dataset.envelope_energy_J_max.sel(bin=60.0, method="nearest")
-
-
 def test_the_command_writes_all(slope_results):
     folder = slope_results.folder
     files = {path.name for path in folder.iterdir()}

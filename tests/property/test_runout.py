@@ -72,18 +72,6 @@ def blocks_above(profile, generator, count):
     )
 
 
-def test_a_projectile_comes_down_where_it_must():
-    """Level ground, thrown at 30 degrees from the height of its radius."""
-    speed, angle = 20.0, np.radians(30.0)
-    release = Release(SPHERE, 0.0, R, speed * np.cos(angle), speed * np.sin(angle))
-    runs = simulate_runout(FLAT, release, DEAD)
-    # Touching counts from a gap of 1e-9 of the block's size on.
-    assert runs.contacts.x[0] == pytest.approx(
-        speed**2 * np.sin(2.0 * angle) / G, rel=1e-9
-    )
-    assert runs.contacts.time[0] == pytest.approx(2.0 * speed * np.sin(angle) / G)
-
-
 def test_a_sphere_bounces_in_a_geometric_sequence():
     """Its lowest point falls 1 m; every bounce takes 0.7 of the time of the last."""
     runs = simulate_runout(
@@ -333,20 +321,15 @@ def test_every_run_says_why_it_ended():
     assert list(runs.ending) == [Ending.event_limit] * 2 + [Ending.left_profile]
 
 
-def test_paths_go_on_without_a_break():
-    generator = np.random.default_rng(3)
-    release = blocks_above(BIPLANAR, generator, 5)
+def test_paths_end_where_and_when_their_runs_do():
+    release = blocks_above(BIPLANAR, np.random.default_rng(3), 5)
     runs = simulate_runout(BIPLANAR, release, ClosedForm(PfeifferBowen(0.35, 0.85)))
     for i in range(release.count):
         path = runs.path(i)
         assert np.all(np.diff(path["time"]) >= 0.0)
         assert path["time"][-1] == pytest.approx(runs.time[i], rel=1e-12)
-        assert (path["x"][-1], path["y"][-1]) == pytest.approx(
-            (runs.x[i], runs.y[i]), abs=1.0
-        )
-    # All is there, and by trajectory.
-    assert set(runs.pieces.trajectory) == set(range(release.count))
-    assert np.all(np.diff(runs.pieces.trajectory) >= 0)
+        end = path["x"][-1], path["y"][-1]
+        assert end == pytest.approx((runs.x[i], runs.y[i]), abs=1.0)
 
 
 @pytest.mark.parametrize(
