@@ -36,7 +36,10 @@ def test_segments_descend_and_rise():
         (([0.0, 5.0], [-9999.0] * 2), "y of point 1 is -9999, a mark for no data"),
         (([0.0, 1.0], [0.0, np.nan]), "y of point 2 must be finite, but is nan"),
         (([0.0, 1e9], [0.0, 1.0]), "x of point 2 must be within 1e[+]08 m of 0"),
-        (([0, 1], [0, 0], Soil(), -0.1), r"in \[0, 90\) deg, but is -0.10.* segment 1"),
+        (
+            ([0, 1], [0, 0], Soil(), -0.1),
+            r"in \[0, 90\) deg, but is -0.1 rad .* segment 1",
+        ),
         (
             ([0, 1, 2], [0, 0, 0], Soil(), 0.1, [0.1, np.nan]),
             r"roughness_deg must be in \[0, 30\] deg, but is nan .*on segment 2",
