@@ -51,6 +51,8 @@ OF_SLOPES = (
     ("profile.points_m ... finite", "[50, 20], ", "[50, nan], "),
     ("profile.points_m ... list of [x, y]", "[50, 20], ", '["50", 20], '),
     ("profile.ponits_m ... did you mean points_m?", "points_m", "ponits_m"),
+    ("profile.layer ... of a dxf only", "points_m", 'layer = "T"\npoints_m'),
+    ("one of points_m, csv and dxf", "points_m", 'dxf = "slope.dxf"\npoints_m'),
     ("did you mean azimuth_deg?", "azimuth_deg = 90", "azimut_deg = 90"),
     ("profile.smooth_m ... above 0 m", "points_m", "smooth_m = 0\npoints_m"),
     ("a tenth of the profile's 200 m", "points_m", "smooth_m = 50\npoints_m"),
@@ -121,6 +123,7 @@ OF_MATERIALS = (
     ("spacing_m ... along_x_m", "along_x_m = [20, 90]", "x_m = 3\nspacing_m = 2"),
 )
 OF_COLUMNS = (
+    ("key profile ... one of points_m, csv and dxf", 'csv = "p.csv"\n', ""),
     ("scree ... column material; leave one", ".scree]\n", f".scree]\n{RANGES[0]}"),
     ("define the material 'meadow' ... mean 'medow'?", ".meadow", ".medow"),
     ("materials.rock ... no row of the profile", "[block]", f"{ROCK}[block]"),
