@@ -3,12 +3,12 @@ files of maps by hand."""
 
 import json
 import sys
-import warnings
 
 import numpy as np
 import pyogrio
 import pytest
 import shapely
+from error_messages import warned_once
 
 from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.runout import Barrier, Profile
@@ -107,31 +107,19 @@ def test_places_on_the_map(tmp_path):
         ("EPSG:6933", [850_000, 5_300_000], "has lengths of 1.253 times those on"),
         ("EPSG:2056", [7.4, 46.9], "outside of the area .* and looks like degrees"),
         ("EPSG:2056", [1_200_000, 2_600_000], "are easting and northing in this ord"),
+        ("EPSG:2056", [2_600_000, 1_200_000], None),
+        ("EPSG:32632", [380_000, 5_100_000], None),
+        ("EPSG:32632", [130_000, 5_100_000], None),  # beside its zone
+        ("EPSG:2154", [900_000, 6_500_000], None),
+        ("EPSG:2193", [1_570_000, 5_180_000], None),
+        ("EPSG:32760", [500_000, 5_000_000], None),  # at longitude 177
+        ("EPSG:3035", [4_100_000, 2_600_000], None),
+        ("EPSG:3857", [-7_910_000, 500_000], None),  # near the equator
     ],
 )
 def test_maps_with_other_lengths_are_warned_of(tmp_path, crs, origin, said):
     place = {"profile": PLACE | {"crs": crs, "origin": origin}}
-    with pytest.warns(UnusualValueWarning, match=said):
-        read_map_placement(tmp_path / "slope.toml", place)
-
-
-@pytest.mark.parametrize(
-    ("crs", "origin"),
-    [
-        ("EPSG:2056", [2_600_000, 1_200_000]),
-        ("EPSG:32632", [380_000, 5_100_000]),
-        ("EPSG:32632", [130_000, 5_100_000]),  # beside its zone
-        ("EPSG:2154", [900_000, 6_500_000]),
-        ("EPSG:2193", [1_570_000, 5_180_000]),
-        ("EPSG:32760", [500_000, 5_000_000]),  # at longitude 177
-        ("EPSG:3035", [4_100_000, 2_600_000]),
-        ("EPSG:3857", [-7_910_000, 500_000]),  # near the equator
-    ],
-)
-def test_maps_of_true_lengths_are_not_warned_of(tmp_path, crs, origin):
-    place = {"profile": PLACE | {"crs": crs, "origin": origin}}
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with warned_once(UnusualValueWarning, said):
         read_map_placement(tmp_path / "slope.toml", place)
 
 

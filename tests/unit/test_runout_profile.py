@@ -1,9 +1,8 @@
 """Profiles, from arrays and from files, and those that are refused."""
 
-import warnings
-
 import numpy as np
 import pytest
+from error_messages import warned_once
 from paths import ROOT
 
 from jaximpact import Block, Soil
@@ -154,32 +153,21 @@ def test_marks_of_no_data_are_no_heights(base, place, mark):
         Profile(X, y)
 
 
-@pytest.mark.parametrize(
-    ("x", "y"),
-    [
-        (X + 2_600_000.0, Y + 4000.0),  # a national grid, high up
-        (X + 32_500_000.0, Y + 8600.0),  # with the number of the zone
-        (X, Y - 999.0),  # the foot at -999 in a local system
-        (X, Y - 430.0),  # at the Dead Sea
-        ([9990.0, 9999.0, 10010.0], [9.0, 5.0, 0.0]),
-        ([0.0, 150.0, 300.0, 900.0], [1100.0, 500.0, 100.0, 0.0]),  # El Capitan
-        ([0.0, 10.0, 10.01, 40.0], [30.0, 30.0, 0.0, 0.0]),  # a wall
-        ([-1e5, 1e5], [0.0, 0.0]),  # a plane without end
-        ([0.0, 6.0], [2.0, 0.0]),
-    ],
-)
-def test_slopes_on_earth_are_no_cause_for_a_warning(x, y):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        Profile(x, y)
-
-
 FEET = 1.0 / 0.3048
 
 
 @pytest.mark.parametrize(
     ("x", "y", "said"),
     [
+        (X + 2_600_000.0, Y + 4000.0, None),  # a national grid, high up
+        (X + 32_500_000.0, Y + 8600.0, None),  # with the number of the zone
+        (X, Y - 999.0, None),  # the foot at -999 in a local system
+        (X, Y - 430.0, None),  # at the Dead Sea
+        ([9990.0, 9999.0, 10010.0], [9.0, 5.0, 0.0], None),
+        ([0.0, 150.0, 300.0, 900.0], [1100.0, 500.0, 100.0, 0.0], None),  # El Capitan
+        ([0.0, 10.0, 10.01, 40.0], [30.0, 30.0, 0.0, 0.0], None),  # a wall
+        ([-1e5, 1e5], [0.0, 0.0], None),  # a plane without end
+        ([0.0, 6.0], [2.0, 0.0], None),
         (7.65 + X / 78e3, 46.0 + Y / 111e3, "smaller than any .* degrees of longitude"),
         (7.65 + X / 78e3, Y + 1700.0, "steeper than any slope; is x in degrees or kil"),
         (X / 1e3, Y / 1e3, "1 m long and 0.23 m high, smaller than any slope; kilomet"),
@@ -198,9 +186,8 @@ FEET = 1.0 / 0.3048
     ],
 )
 def test_slopes_that_are_none_on_earth_are_warned_of(x, y, said):
-    with pytest.warns(UnusualValueWarning, match=said) as caught:
+    with warned_once(UnusualValueWarning, said):
         Profile(x, y)
-    assert len(caught) == 1
 
 
 def test_a_block_far_above_the_ground_is_warned_of():
