@@ -179,6 +179,7 @@ def test_a_coefficient_of_restitution_is_found_again(tmp_path, monkeypatch):
         tmp_path / "truth.toml",
         "count = 60\ncollectors_m = [57]",
         seed=5,
+        friction=20.0,
         restitution=0.45,
     )
     columns = (

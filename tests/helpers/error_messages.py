@@ -28,7 +28,7 @@ def assert_one_line_error(capsys, *parts):
 
 @contextlib.contextmanager
 def warned_once(kind, said):
-    """One warning of a kind is given, which a pattern matches; none where it is None."""
+    """One warning of a kind is given, which a pattern matches; none for None."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield

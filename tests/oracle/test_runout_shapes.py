@@ -237,11 +237,12 @@ def test_blocks_lie_on_the_ground(shape):
         x = generator.uniform(profile.x[0], profile.x[-1], 10)
         turned = generator.uniform(0.0, 3.0, 10)
         block = Block(mass=generator.uniform(50.0, 400.0, 10), shape=shape)
-        y = lying_height(profile, Release(block, x, 0.0).outline, x, turned)
+        release = Release(block, x, 0.0)
+        y = lying_height(profile, release.outline, x, turned)
         for i in range(10):
             lying = (x[i], y[i], 0, 0, turned[i], 0)
             body = Body(*(np.array([value]) for value in lying))
-            assert abs(penetration(block, i, body, profile)) < 3e-4
+            assert abs(penetration(release.block, i, body, profile)) < 3e-4
         # And a run agrees that this is no place in the ground.
         release = Release(block, x, y, orientation=turned)
         law = ClosedForm(ConstantCoefficients(0.0, 1.0))

@@ -103,7 +103,7 @@ def test_at_its_nodes_a_table_is_the_model(which, request):
         error /= 1.0 + size + np.abs(model[same])
         # Coordinates to rounding; and by rounding the model may take another step,
         # which changes it within its tolerance.
-        assert np.quantile(error, 0.95) < 1e-9
+        assert np.quantile(error, 0.95) < 1e-7
         assert np.max(error) < 1e-3
     if which == "of_sphere":
         error = measure_error(table, impact)
@@ -272,7 +272,7 @@ def test_a_table_is_read_as_it_was_written(of_sphere, tmp_path):
     impact = jax.tree.map(lambda value: np.full(3, value), Impact(speed=9.0))
     Tabulated(read)(SPHERE, Soil(), impact)
     dataset = read_netcdf(path)
-    dataset.attrs["slip_factor"] = "3.0"
+    dataset.attrs["slip_factor"] = "2.0"
     write_netcdf(path, dataset)
     with pytest.raises(InputError, match=r"another factor than \d.*; tabulate again"):
         read_table(path)

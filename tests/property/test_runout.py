@@ -357,7 +357,7 @@ def test_a_scene_begins_as_its_impact_strikes(shape):
         slope=c.slope,
     )
     alone = simulate_batch(Scene(scene.block, scene.soil, impact))
-    np.testing.assert_array_equal(c.outcome, alone.outcome)
+    assert [str(Outcome(code)) for code in c.outcome] == alone.outcome.tolist()
     # Rounding of speed and angle changes steps: by less than the error of "balanced".
     np.testing.assert_allclose(c.duration, alone.duration, rtol=1e-6)
     np.testing.assert_allclose(c.sinking, alone.final_sinking, rtol=1e-6)
