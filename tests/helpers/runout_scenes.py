@@ -11,6 +11,7 @@ from jaximpact import (
     BozzoloPamini,
     ConstantCoefficients,
     FrictionalEllipsoid,
+    Impact,
     PfeifferBowen,
     RigidEllipsoid,
 )
@@ -85,6 +86,27 @@ def height_over(x, y, profile):
     return np.where(profile.height(x) > y, -distance, distance)
 
 
+def blocks_over(profile, g, count, shape="Ellipsoid"):
+    """Blocks of 1 kg to 50 t in the upper part of a slope, above all ground near."""
+    aspect_ratio = g.choice([1.0, 1.5, 2.0, 4.0], count)
+    mass = 10.0 ** g.uniform(0.0, 4.7, count)
+    block = Block(mass=mass, aspect_ratio=aspect_ratio, shape=shape)
+    high = 4.0 * float(np.max(np.asarray(block.semi_axes.major)))
+    length = profile.x[-1] - profile.x[0]
+    x = profile.x[0] + length * g.uniform(0.05, 0.4, count)
+    near = np.abs(profile.x - x[:, None]) < high
+    top = np.max(np.where(near, profile.y, -np.inf), axis=1)
+    return Release(
+        block,
+        x,
+        np.maximum(top, profile.height(x)) + 0.5 * high,
+        g.uniform(-3.0, 12.0, count),
+        0.0,
+        g.uniform(0.0, np.pi, count),
+        g.normal(0.0, 5.0, count),
+    )
+
+
 def mirrored(profile, release):
     """The same scene from behind."""
     ground = Profile(
@@ -114,6 +136,18 @@ def assert_same_bits(runs, same):
 def rows_of_records(records, chosen):
     """Some rows of contacts, pieces or passages."""
     return type(records)(*(column[chosen] for column in records))
+
+
+def impact_of(contacts):
+    """The impacts of contacts, as they begin."""
+    into, along = contacts.normal_velocity_before, contacts.tangential_velocity_before
+    return Impact(
+        speed=np.hypot(into, along),
+        angle=np.arctan2(along, into),
+        orientation=contacts.orientation,
+        angular_velocity=contacts.angular_velocity_before,
+        slope=contacts.slope,
+    )
 
 
 def pieces_of(runs, motion):

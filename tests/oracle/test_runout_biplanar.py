@@ -3,9 +3,9 @@ figures and claims take from runs."""
 
 import numpy as np
 import pytest
-from runout_scenes import SPHERE, G, R
+from runout_scenes import SPHERE, G, R, impact_of, rows_of_records
 
-from jaximpact import Block, ConstantCoefficients, Impact, Soil, simulate
+from jaximpact import Block, ConstantCoefficients, Scene, Soil, simulate_batch
 from jaximpact.runout import (
     ClosedForm,
     FullModel,
@@ -132,28 +132,19 @@ def test_a_law_of_constant_coefficients_has_these():
 
 @pytest.mark.slow
 def test_coefficients_before_the_climb_are_those_of_the_impact(runs):
-    """First impacts of all shapes, against `simulate`."""
+    """First impacts of all shapes, against `simulate_batch`."""
     with_climb = restitutions(runs)
     without = restitutions(runs, out_of_the_crater=False)
-    contacts = runs.contacts
-    for block in range(0, runs.release.count, len(SPINS_DEGPS)):
-        first = np.searchsorted(contacts.trajectory, block)
-        v_n = contacts.normal_velocity_before[first]
-        v_t = contacts.tangential_velocity_before[first]
-        impact = Impact(
-            speed=np.hypot(v_n, v_t),
-            angle=np.arctan2(v_t, v_n),
-            orientation=contacts.orientation[first],
-            angular_velocity=contacts.angular_velocity_before[first],
-            slope=SLOPE,
-        )
-        shape = ASPECT_RATIOS[block // len(SPINS_DEGPS)]
-        alone = simulate(Block(aspect_ratio=shape), Soil(), impact, accuracy="fast")
-        # The block touches 1e-9 of its size above the ground.
-        assert without.e_n[first] == pytest.approx(float(alone.e_n), rel=1e-6)
-        assert without.e_t[first] == pytest.approx(float(alone.e_t), rel=1e-6)
-        assert abs(with_climb.e_n[first]) < abs(without.e_n[first])
-        assert with_climb.e_t[first] < without.e_t[first]
+    blocks = np.arange(0, runs.release.count, len(SPINS_DEGPS))
+    first = np.searchsorted(runs.contacts.trajectory, blocks)
+    impact = impact_of(rows_of_records(runs.contacts, first))
+    scene = Scene(Block(aspect_ratio=ASPECT_RATIOS), Soil(), impact)
+    alone = simulate_batch(scene, accuracy="fast")
+    # The block touches 1e-9 of its size above the ground.
+    np.testing.assert_allclose(without.e_n[first], alone.e_n, rtol=1e-6)
+    np.testing.assert_allclose(without.e_t[first], alone.e_t, rtol=1e-6)
+    assert np.all(np.abs(with_climb.e_n[first]) < np.abs(without.e_n[first]))
+    assert np.all(with_climb.e_t[first] < without.e_t[first])
 
 
 @pytest.mark.slow

@@ -14,6 +14,8 @@ from runout_scenes import (
     R,
     assert_no_energy_gained,
     assert_same_bits,
+    blocks_over,
+    impact_of,
     pieces_of,
     rolling_sphere,
     rows_of_records,
@@ -50,25 +52,6 @@ def inclined(angle, **values):
     """A plane of 200 m that descends to the right from the origin."""
     x, y = 200.0 * np.cos(angle), -200.0 * np.sin(angle)
     return Profile([0.0, x], [0.0, y], **values)
-
-
-def blocks_above(profile, generator, count):
-    """Blocks of many kinds in the air."""
-    aspect_ratio = generator.uniform(0.5, 4.0, count)
-    aspect_ratio[:: max(1, count // 5)] = 1.0
-    block = Block(
-        mass=generator.uniform(20.0, 2000.0, count), aspect_ratio=aspect_ratio
-    )
-    size = np.max(np.asarray(block.semi_axes.major + block.semi_axes.minor))
-    return Release(
-        block,
-        generator.uniform(profile.x[0], profile.x[-1], count),
-        np.max(profile.y) + size,
-        generator.normal(0.0, 8.0, count),
-        generator.normal(0.0, 5.0, count),
-        generator.uniform(0.0, 6.0, count),
-        generator.normal(0.0, 50.0, count),
-    )
 
 
 def test_a_sphere_bounces_in_a_geometric_sequence():
@@ -279,7 +262,7 @@ def test_every_run_says_why_it_ended():
 
 
 def test_paths_end_where_and_when_their_runs_do():
-    release = blocks_above(BIPLANAR, np.random.default_rng(3), 5)
+    release = blocks_over(BIPLANAR, np.random.default_rng(3), 5)
     runs = simulate_runout(BIPLANAR, release, ClosedForm(PfeifferBowen(0.35, 0.85)))
     for i in range(release.count):
         path = runs.path(i)
@@ -349,14 +332,7 @@ def test_a_scene_begins_as_its_impact_strikes(shape):
     np.testing.assert_allclose(c.angular_velocity_before, 2.0, rtol=1e-6)
     np.testing.assert_allclose(c.orientation, 0.3, atol=1e-7)
 
-    impact = Impact(
-        speed=np.hypot(into, along),
-        angle=np.arctan2(along, into),
-        orientation=c.orientation,
-        angular_velocity=c.angular_velocity_before,
-        slope=c.slope,
-    )
-    alone = simulate_batch(Scene(scene.block, scene.soil, impact))
+    alone = simulate_batch(Scene(scene.block, scene.soil, impact_of(c)))
     assert [str(Outcome(code)) for code in c.outcome] == alone.outcome.tolist()
     # Rounding of speed and angle changes steps: by less than the error of "balanced".
     np.testing.assert_allclose(c.duration, alone.duration, rtol=1e-6)
@@ -394,8 +370,7 @@ def test_spheres_never_hop():
 def test_flights_lower_than_the_heave_are_rolled(threshold):
     """A contact is followed by a flight where that lifts the block by the threshold at
     least, by motion along the ground where it would lift it by less."""
-    generator = np.random.default_rng(7)
-    release = blocks_above(BIPLANAR, generator, 40)
+    release = blocks_over(BIPLANAR, np.random.default_rng(7), 40)
     law = ClosedForm(PfeifferBowen(0.5, 0.9))
     runs = simulate_runout(BIPLANAR, release, law, hop_threshold=threshold)
     c, p = runs.contacts, runs.pieces

@@ -9,6 +9,7 @@ from runout_scenes import (
     LAWS,
     assert_no_energy_gained,
     assert_same_bits,
+    blocks_over,
     height_over,
     mirrored,
     rows_of_records,
@@ -113,27 +114,6 @@ def profile_of(ground, g):
     )
 
 
-def blocks_over(profile, g, count, shape):
-    """Blocks of 1 kg to 50 t in the upper part of a slope, above all ground near."""
-    aspect_ratio = g.choice([1.0, 1.5, 2.0, 4.0], count)
-    mass = 10.0 ** g.uniform(0.0, 4.7, count)
-    block = Block(mass=mass, aspect_ratio=aspect_ratio, shape=shape)
-    high = 4.0 * float(np.max(np.asarray(block.semi_axes.major)))
-    length = profile.x[-1] - profile.x[0]
-    x = profile.x[0] + length * g.uniform(0.05, 0.4, count)
-    near = np.abs(profile.x - x[:, None]) < high
-    top = np.max(np.where(near, profile.y, -np.inf), axis=1)
-    return Release(
-        block,
-        x,
-        np.maximum(top, profile.height(x)) + 0.5 * high,
-        g.uniform(-3.0, 12.0, count),
-        0.0,
-        g.uniform(0.0, np.pi, count),
-        g.normal(0.0, 5.0, count),
-    )
-
-
 def check(runs):
     """All that must hold of runs."""
     profile, pieces = runs.profile, runs.pieces
@@ -181,7 +161,7 @@ def test_runs_by_the_full_model(ground, hop_threshold):
     than their energy reaches. Without a limit they gain 0.3 J/kg on walls."""
     g = np.random.default_rng(2)
     profile = profile_of(ground, g)
-    release = blocks_over(profile, g, 24, "Ellipsoid")
+    release = blocks_over(profile, g, 24)
     contacts = FullModel("fast")
     check(simulate_runout(profile, release, contacts, hop_threshold=hop_threshold))
 
@@ -192,7 +172,7 @@ def test_no_sphere_rolls_deeper_into_narrow_ground(ground, seed):
     """Than it began to."""
     g = np.random.default_rng(seed)
     profile = profile_of(ground, g)
-    runs = simulate_runout(profile, blocks_over(profile, g, 40, "Ellipsoid"), LAW)
+    runs = simulate_runout(profile, blocks_over(profile, g, 40), LAW)
     check(runs)
     pieces, block = runs.pieces, runs.release.block
     sphere = block.aspect_ratio[pieces.trajectory] == 1.0
@@ -224,7 +204,7 @@ def test_no_law_adds_energy(law):
             *(Soil(alpha_s=g.uniform(0.3, 1.2)), g.uniform(0.0, 0.6, points - 1)),
             np.radians(degrees),
         )
-        release = blocks_over(profile, g, 60, "Ellipsoid")
+        release = blocks_over(profile, g, 60)
         runs = simulate_runout(profile, release, ClosedForm(law))
         assert set(runs.ending) <= {Ending.stopped, Ending.left_profile}
         slopes = profile.slope[runs.contacts.segment.astype(int)]
@@ -238,7 +218,7 @@ def test_what_runs_beside_a_block_changes_no_bit(ground, contacts):
     """Which places are narrow depends on the largest block, but no block's run does."""
     g = np.random.default_rng(3)
     profile = profile_of(ground, g)
-    release = blocks_over(profile, g, 24, "Ellipsoid")
+    release = blocks_over(profile, g, 24)
     whole = simulate_runout(profile, release, contacts)
     assert_same_bits(simulate_runout(profile, release, contacts, width=5), whole)
     for i in range(0, 24, 6):
@@ -274,7 +254,7 @@ def test_a_mirrored_slope_gives_the_mirrored_run(
     """To what a shift of the release by 1e-9 m changes, some of it at each contact."""
     g = np.random.default_rng(4)
     profile = profile_of(ground, g)
-    release = blocks_over(profile, g, 16, "Ellipsoid")
+    release = blocks_over(profile, g, 16)
     how = {"hop_threshold": hop_threshold}
     there = simulate_runout(profile, release, contacts, **how)
     back = simulate_runout(*mirrored(profile, release), contacts, **how)
@@ -291,7 +271,7 @@ def test_points_on_straight_lines_change_nothing(ground, aspect_ratio):
     """Points every decimetre: closer than most blocks are wide."""
     g = np.random.default_rng(5)
     x, y = map(np.asarray, ground(g))
-    release = blocks_over(Profile(x, y), g, 16, "Ellipsoid")
+    release = blocks_over(Profile(x, y), g, 16)
     block = Block(mass=release.block.mass, aspect_ratio=aspect_ratio)
     release = dataclasses.replace(release, block=block, y=release.y + 10.0)
     cuts = np.arange(x[0], x[-1], 0.1) + 0.003

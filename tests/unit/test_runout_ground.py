@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from runout_scenes import BIPLANAR, LAWS, assert_same_bits, pieces_of
+from runout_scenes import BIPLANAR, LAWS, assert_same_bits, blocks_over, pieces_of
 from slope_study import slope_text
 
 from jaximpact import Block, ConstantCoefficients, Soil, read_netcdf
@@ -27,23 +27,6 @@ from jaximpact.runout.random_inputs import philox
 
 ELASTIC = ClosedForm(ConstantCoefficients(1.0, 1.0))
 HILLS = Profile([0.0, 40.0, 60.0, 110.0, 300.0], [70.0, 40.0, 42.0, 0.0, 0.0])
-
-
-def blocks_above(profile, count, seed=1):
-    generator = np.random.default_rng(seed)
-    x = generator.uniform(2.0, 30.0, count)
-    return Release(
-        Block(
-            generator.uniform(20.0, 500.0, count),
-            2600.0,
-            aspect_ratio=1.0 + 2.0 * x / 30.0,
-        ),
-        x,
-        profile.height(x) + generator.uniform(2.0, 6.0, count),
-        *generator.uniform(-2.0, 12.0, (2, count)),
-        generator.uniform(0.0, np.pi, count),
-        generator.normal(0.0, 8.0, count),
-    )
 
 
 def rough(profile, degrees):
@@ -108,7 +91,7 @@ def test_an_elastic_sphere_is_mirrored_at_the_facet():
 @pytest.mark.slow
 @pytest.mark.parametrize("contacts", [ClosedForm(LAWS[0]), FullModel("fast")])
 def test_no_roughness_is_as_if_there_were_none(contacts):
-    release = blocks_above(HILLS, 20)
+    release = blocks_over(HILLS, np.random.default_rng(1), 20)
     plain = simulate_runout(HILLS, release, contacts, time_limit=20.0)
     ground = Ground(HILLS.soil, HILLS.rolling_friction_angle, 0.0, seed=5)
     same = simulate_runout(HILLS, release, contacts, ground=ground, time_limit=20.0)
@@ -121,7 +104,7 @@ def test_no_block_is_sent_into_the_ground(contacts):
     angle = np.radians(25.0)
     plane = Profile([0.0, 300.0], [140.0, 140.0 - 300.0 * np.tan(angle)])
     plane = rough(plane, 10.0)
-    release = blocks_above(plane, 40)
+    release = blocks_over(plane, np.random.default_rng(1), 40)
     runs = simulate_runout(plane, release, contacts, time_limit=6.0)
     assert np.max(np.abs(runs.contacts.slope - angle)) > np.radians(20.0)
     p = pieces_of(runs, MotionMode.flight)
@@ -133,7 +116,10 @@ def test_no_block_is_sent_into_the_ground(contacts):
 
 def test_facets_depend_on_seed_block_and_impact_alone():
     profile = rough(HILLS, 8.0)
-    release, law = blocks_above(profile, 60), ClosedForm(LAWS[3])
+    release, law = (
+        blocks_over(profile, np.random.default_rng(1), 60),
+        ClosedForm(LAWS[3]),
+    )
     ground = Ground.of_profile(profile, seed=3)
     whole = simulate_runout(profile, release, law, ground=ground)
     assert_same_bits(
