@@ -8,6 +8,7 @@ import multiprocessing
 import numpy as np
 import pytest
 from error_messages import assert_one_line_error
+from slope_study import slope_text
 from text_files import rows_of, write_changed
 
 from benchmarks.back_analysis import BENCHES, observe
@@ -26,28 +27,16 @@ from jaximpact.runout.study.barriers import estimates_of
 
 pytestmark = pytest.mark.slow
 
-SLOPE = """
-seed = 3
-
-[profile]
-points_m = [[0, 40], [50, 10], [150, 5]]
-
-[ground]
-roughness_deg = 3
-
-[block]
-mass_kg = { median = 300, geometric_sd = 1.6 }
-
-[release]
-x_m = { from = 2, to = 20 }
-clearance_m = 1
-speed_mps = 3
-
-[contacts]
-law = "constant coefficients"
-e_n = 0.35
-e_t = 0.85
-
+SLOPE = slope_text(
+    top="seed = 3",
+    profile="points_m = [[0, 40], [50, 10], [150, 5]]",
+    ground="[ground]\nroughness_deg = 3",
+    block="mass_kg = { median = 300, geometric_sd = 1.6 }",
+    release="x_m = { from = 2, to = 20 }",
+    contacts='law = "constant coefficients"\ne_n = 0.35\ne_t = 0.85',
+)
+SLOPE = SLOPE.replace("speed_mps = 5", "speed_mps = 3").replace("_m = 0.5", "_m = 1")
+SLOPE += """
 [[barriers]]
 name = "fence"
 x_m = 57

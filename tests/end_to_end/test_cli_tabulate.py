@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from error_messages import assert_one_line_error
-from slope_study import assert_refused
+from slope_study import assert_refused, slope_text
 from text_files import rows_of, write_changed
 
 from jaximpact import Block, Soil, read_netcdf
@@ -29,27 +29,13 @@ slopes_deg = [-10, 0, 40]
 total_speeds_mps = [0.5, 40]
 nodes = { speed = 4, elevation = 6, azimuth = 9 }
 """
-SLOPE = """
-count = 20
-
-[profile]
-points_m = [[0, 20], [30, 0], [80, 0]]
-
-[ground]
-gamma_v = 4
-
-[block]
-mass_kg = 200
-
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-speed_mps = 3
-
-[contacts]
-law = "table"
-files = ["table.nc"]
-"""
+SLOPE = slope_text(
+    top="count = 20",
+    profile="points_m = [[0, 20], [30, 0], [80, 0]]",
+    ground="[ground]\ngamma_v = 4",
+    block="mass_kg = 200",
+    contacts='law = "table"\nfiles = ["table.nc"]',
+)
 SECOND = "[ground.segment.2]\n"
 
 

@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from slope_study import assert_refused
+from slope_study import assert_refused, slope_text
 from text_files import write_changed
 
 from jaximpact import PRESETS, read_netcdf
@@ -21,29 +21,13 @@ MEAN = np.array([np.log(0.5), np.log(4.0), 0.8])
 """In the coordinates of the fit: dilatancy by half its range."""
 ROOT = np.array([[0.2, 0.0, 0.0], [-0.15, 0.1, 0.0], [0.1, 0.1, 0.3]])
 COVARIANCE = ROOT @ ROOT.T
-SLOPE = """
-count = 4000
-seed = 7
-
-[profile]
-points_m = [[0, 20], [30, 0], [80, 0]]
-
-[ground]
-from = "fit"
-
-[block]
-mass_kg = { mean = 100, sd = 5 }
-
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-speed_mps = 3
-
-[contacts]
-law = "rigid ellipsoid"
-e_contact = 0.3
-"""
-
+SLOPE = slope_text(
+    top="count = 4000\nseed = 7",
+    profile="points_m = [[0, 20], [30, 0], [80, 0]]",
+    ground='[ground]\nfrom = "fit"',
+    block="mass_kg = { mean = 100, sd = 5 }",
+    contacts='law = "rigid ellipsoid"\ne_contact = 0.3',
+)
 FROM = 'from = "fit"'
 DEFAULTS = {"rolling_friction_angle_deg": 20.0, "roughness_deg": 0.0}
 """Of a ground, as the manifest says them."""

@@ -10,7 +10,7 @@ import pytest
 from jax.scipy.special import erf
 from own_laws import FLOW
 from runout_scenes import FLAT
-from slope_study import assert_refused
+from slope_study import assert_refused, slope_text
 from text_files import write_changed
 
 from jaximpact import Block, Impact, Soil, read_netcdf
@@ -53,13 +53,10 @@ class Fading(AbstractRebound):
             impact.angular_velocity,
         )
 """
-SLOPE = """
-seed = 1
-count = 12
-
-[profile]
-points_m = [[0, 40], [50, 10], [150, 10]]
-
+SLOPE = slope_text(
+    top="seed = 1\ncount = 12",
+    profile="points_m = [[0, 40], [50, 10], [150, 10]]",
+    ground="""
 [ground]
 flow = "../my_laws.py:Creeping"
 my_rate = { mean = 8.7, sd = 1, least = 5 }
@@ -67,20 +64,14 @@ my_creep_share = 0.1
 
 [ground.segment.2]
 my_creep_share = 0.5
-
-[block]
+""",
+    block="""
 shape = ["Ellipsoid", "RectangularPrism"]
 corner_radius_ratio = [0.4, 0.6]
-
-[release]
-x_m = 5
-clearance_m = 2
-speed_mps = 5
-
-[contacts]
-law = "../my_rebound.py:Fading"
-half_speed = 5
-"""
+""",
+    release="x_m = 5",
+    contacts='law = "../my_rebound.py:Fading"\nhalf_speed = 5',
+)
 
 
 @pytest.fixture
