@@ -246,8 +246,8 @@ def test_the_command_writes_a_report_and_goes_on_where_it_was(
     # What was interrupted ends like what was not.
     tree = json.loads((out / "fit.json").read_text())
     (parameter,) = fitted.posterior.fitted
-    told = tree["parameters"]["rolling_friction_angle_deg"]
-    assert told["interval_95"] == [parameter.low, parameter.high]
+    friction = tree["parameters"]["rolling_friction_angle_deg"]
+    assert friction["interval_95"] == [parameter.low, parameter.high]
     assert set(tree["manifest"]["files"]) == {"slope.toml", "stops.csv", "passages.csv"}
     assert len(rows_of(out / "samples.csv")) == len(fitted.posterior.values)
     assert rows_of(out / "exceedance.csv")
@@ -257,9 +257,9 @@ def test_the_command_writes_a_report_and_goes_on_where_it_was(
     stopped = barrier["estimates"]["share_stopped_of_all"]
     assert float(rows["share_stopped_of_all"]["value"]) == stopped["value"]
     of_arriving = barrier["estimates"]["share_stopped_of_arriving"]
-    told = f"{of_arriving['low']:.1%} to {of_arriving['high']:.1%}"
-    assert told in printed
-    assert told in page
+    words = f"{of_arriving['low']:.1%} to {of_arriving['high']:.1%}"
+    assert words in printed
+    assert words in page
 
 
 def test_data_of_another_mechanism_are_not_explained(observed, tmp_path, monkeypatch):

@@ -323,16 +323,16 @@ def test_paths_of_the_page_end_where_the_blocks_do(slope_results):
 
 def test_what_is_not_known_is_told(slope_results, slope):
     _, study, dataset, *_ = slope_results
-    told = " ".join(unknowns(study, dataset))
+    lines = " ".join(unknowns(study, dataset))
     for part in ("too few", "counted, not removed", "plane", "an assumption"):
-        assert part in told
-    assert "No file for maps" not in told
+        assert part in lines
+    assert "No file for maps" not in lines
     dataset = dataset.copy()
     endings = {"failed": 3, "time limit": 2, "stopped": 85}
     dataset.attrs["endings"] = json.dumps(endings)
-    told = " ".join(unknowns(study, dataset))
-    assert "3 blocks failed" in told
-    assert "2 blocks were cut off" in told
+    lines = " ".join(unknowns(study, dataset))
+    assert "3 blocks failed" in lines
+    assert "2 blocks were cut off" in lines
     law = SLOPE[SLOPE.index("[contacts]") : SLOPE.index("[[barriers]]")]
     full = read_slope_study(write_changed(slope, SLOPE, (law, "")))
     assert "readings of the literature" in " ".join(unknowns(full, dataset))

@@ -90,19 +90,19 @@ def test_an_element_reaches_as_far_as_a_circle_on_it_is_the_highest(ground, seed
     g = np.random.default_rng(seed)
     x, y = ground(g)
     reach = reaches(x, y, LARGEST)
-    told = 0
+    compared = 0
     for h in 10.0 ** g.uniform(-1.5, np.log10(LARGEST), 4):
         for element in range(len(reach)):
             over = margin(x, y, h, element)
             # Closer than the rounding of heights of some metres nothing is told.
             if abs(over) > 1e-12:
-                told += 1
+                compared += 1
                 assert (reach[element] > h) == (over > 0.0), (
                     element,
                     h,
                     reach[element],
                 )
-    assert told > 3 * len(reach)
+    assert compared > 3 * len(reach)
 
 
 @pytest.mark.parametrize("ground", GROUNDS)

@@ -202,14 +202,14 @@ def test_mixed_shapes_go_as_each_alone():
     kinds, slow = [Ellipsoid, RectangularPrism] * 6, np.linspace(0.3, 0.6, 12)
     law = ClosedForm(ConstantCoefficients(slow, 0.85))
     ground = Ground(Soil(gamma_v=slow[:, None] * 10.0), roughness=0.05, seed=3)
-    told = []
+    steps = []
     runs = simulate_runout(
         *(PROFILE, release_of(shape_of_each(kinds), 12), law),
         ground=ground,
-        progress=lambda done, count: told.append((done, count)),
+        progress=lambda done, count: steps.append((done, count)),
     )
-    assert told[-1] == (12, 12)
-    assert told == sorted(told)
+    assert steps[-1] == (12, 12)
+    assert steps == sorted(steps)
     places = passages(runs, 100.0)
     for place, kind in enumerate((Ellipsoid, RectangularPrism)):
         alone = simulate_runout(PROFILE, release_of(kind(), 12), law, ground=ground)
