@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from error_messages import assert_one_line_error
+from slope_study import slope_text
 
 from jaximpact.cli import main
 from jaximpact.errors import InputError, UnusualValueWarning
@@ -12,33 +13,24 @@ from jaximpact.runout.back_analysis.data_sets import _seed, simulate_data_sets
 from jaximpact.runout.back_analysis.observed import MOST_BLOCKS
 from jaximpact.runout.back_analysis.problem import read_slope_fit
 
-SLOPE = """
-count = 5
-
-[profile]
-points_m = [[0, 40], [50, 10], [150, 10]]
-
+LAW = 'law = "constant coefficients"\ne_n = 0.35\ne_t = 0.85'
+SLOPE = slope_text(
+    top="count = 5",
+    profile="points_m = [[0, 40], [50, 10], [150, 10]]",
+    ground="""
 [ground]
 roughness_deg = 2
-
 [ground.materials.debris]
 from_x_m = 0
 to_x_m = 50
-
 [ground.materials.meadow]
 from_x_m = 50
 to_x_m = 150
-
-[release]
-x_m = 5
-clearance_m = 2
-speed_mps = 5
-
-[contacts]
-law = "constant coefficients"
-e_n = 0.35
-e_t = 0.85
-
+""",
+    release="x_m = 5",
+    contacts=LAW,
+)
+SLOPE += """
 [fit]
 roughness_deg = { from = 0, to = 8 }
 
@@ -127,9 +119,6 @@ def test_parameters_of_a_law_are_fitted(slope):
         mine = slice(i * blocks, (i + 1) * blocks)
         np.testing.assert_array_equal(both[i, :, 0], runs.x[mine])
     assert not np.any(both[0, :, 0] == both[1, :, 0])
-
-
-LAW = 'law = "constant coefficients"\ne_n = 0.35\ne_t = 0.85'
 
 
 @pytest.mark.filterwarnings(UNUSED)
