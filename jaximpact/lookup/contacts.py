@@ -128,11 +128,9 @@ class Tabulated:
 class _Pair(NamedTuple):
     """Block on a ground."""
 
-    structure: Any
-    """Shape and laws."""
+    structure: Any  # Shape and laws
     numbers: list
-    chosen: Any
-    """Places of the lanes that have this shape."""
+    chosen: Any  # Places of the lanes that have this shape
 
     @classmethod
     def of(cls, table: ReboundTable) -> "_Pair":

@@ -51,12 +51,10 @@ Numbers = Scalar | np.ndarray
 class Direction(NamedTuple):
     """Coordinates of the velocities of an arriving block."""
 
-    total_speed: Numbers
-    """Total speed w [m/s]."""
+    total_speed: Numbers  # Total speed w [m/s]
     elevation: Numbers
     """Elevation epsilon [rad]; where it is not positive, the point moves away."""
-    azimuth: Numbers
-    """Azimuth alpha [rad]."""
+    azimuth: Numbers  # Azimuth alpha [rad]
 
 
 def gravity_speed(block: Block) -> Scalar:

@@ -27,23 +27,18 @@ from .lane_programs import Values, closed_form
 class Body(NamedTuple):
     """Position and motion of blocks; arrays `(lanes,)`."""
 
-    x: Values
-    """Centre [m]."""
+    x: Values  # Centre [m]
     y: Values
-    v_x: Values
-    """Velocity of the centre [m/s]."""
+    v_x: Values  # Velocity of the centre [m/s]
     v_y: Values
-    orientation: Values
-    """Angle phi [rad]."""
-    angular_velocity: Values
-    """Omega [rad/s], clockwise positive."""
+    orientation: Values  # Angle phi [rad]
+    angular_velocity: Values  # Omega [rad/s], clockwise positive
 
 
 class MassProperties(NamedTuple):
     """Mass and moment of inertia of blocks."""
 
-    mass: Values
-    """Mass [kg]."""
+    mass: Values  # Mass [kg]
     inertia: Values
     """Moment of inertia about the out-of-plane axis through the centre [kg m2]."""
 
@@ -104,8 +99,7 @@ def fly(body: Body, time) -> Body:
 class Support(NamedTuple):
     """Extent of the block against a direction N."""
 
-    radius: Values
-    """r_y [m], distance from the centre to the lowest point, against N."""
+    radius: Values  # r_y [m], distance from the centre to the lowest point, against N
     arm: Values
     """T = dr_y/dTheta [m], distance from the centre to the lowest point, along t."""
 

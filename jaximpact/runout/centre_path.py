@@ -36,16 +36,13 @@ class Elements(NamedTuple):
     right come to them; arrays of any shape."""
 
     is_segment: np.ndarray
-    x: np.ndarray
-    """The point, or the start of the segment [m]."""
+    x: np.ndarray  # The point, or the start of the segment [m]
     y: np.ndarray
-    end_x: np.ndarray
-    """x of the point, or of the end of the segment [m]."""
+    end_x: np.ndarray  # x of the point, or of the end of the segment [m]
     normal_x: np.ndarray
     """Normal of the segment, out of the ground; of a point not used."""
     normal_y: np.ndarray
-    length: np.ndarray
-    """Length of the segment [m]; 0 of a point."""
+    length: np.ndarray  # Length of the segment [m]; 0 of a point
     behind: np.ndarray
     """Number of the profile's segment behind a point, or of the first of an element's
     segments."""
@@ -67,17 +64,12 @@ class Ahead(NamedTuple):
     """Elements that blocks pass next, arrays `(blocks, elements)`, the first being the
     one that they touch; x is mirrored for blocks that move to the left."""
 
-    element: np.ndarray
-    """Places of the elements in `CentrePath.elements`."""
-    next_element: np.ndarray
-    """Places of those behind them."""
-    exists: np.ndarray
-    """True where there is one behind, as far as was looked."""
-    start_x: np.ndarray
-    """Centre of the block as it comes to touch the element [m]."""
+    element: np.ndarray  # Places of the elements in `CentrePath.elements`
+    next_element: np.ndarray  # Places of those behind them
+    exists: np.ndarray  # True where there is one behind, as far as was looked
+    start_x: np.ndarray  # Centre of the block as it comes to touch the element [m]
     start_y: np.ndarray
-    stop_x: np.ndarray
-    """Centre as it comes to touch the next one [m]."""
+    stop_x: np.ndarray  # Centre as it comes to touch the next one [m]
     stop_y: np.ndarray
     start_normal_x: np.ndarray
     """Normal of the path at the start, from the ground to the centre."""
@@ -102,8 +94,7 @@ class CentrePath:
     reach: np.ndarray
     """Largest radius of a circle that touches an element [m], as far as blocks need
     it."""
-    points: np.ndarray
-    """x of the points at which the profile or its ground changes [m]."""
+    points: np.ndarray  # x of the points at which the profile or its ground changes [m]
     table: np.ndarray
     """What programs read of the elements, `(elements, columns)`; see `_Column`."""
 
@@ -376,14 +367,11 @@ def _curves(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 class _Meeting(NamedTuple):
     """Circle that touches an element and a later one."""
 
-    x: Values
-    """Centre [m]."""
+    x: Values  # Centre [m]
     y: Values
-    normal_x: Values
-    """Normal of the path there, on the first of them."""
+    normal_x: Values  # Normal of the path there, on the first of them
     normal_y: Values
-    next_normal_x: Values
-    """Normal of the path there, on the second."""
+    next_normal_x: Values  # Normal of the path there, on the second
     next_normal_y: Values
 
 

@@ -75,35 +75,25 @@ class BlockState(NamedTuple):
     """State of one block, or of many, arrays `(blocks,)`; codes and numbers are
     floats."""
 
-    time: Values
-    """Time since release [s]."""
+    time: Values  # Time since release [s]
     body: Body
     """Position and motion at `time`; on the ground the velocities are those of the
     last flight."""
-    phase: Values
-    """Code of `Phase`."""
-    ending: Values
-    """Code of `Ending`; -1 for a block under way."""
-    events: Values
-    """Number of contacts and legs so far."""
-    impacts: Values
-    """Number of impacts so far."""
-    segment: Values
-    """Segment that the block touches, or touched last; -1 for none."""
+    phase: Values  # Code of `Phase`
+    ending: Values  # Code of `Ending`; -1 for a block under way
+    events: Values  # Number of contacts and legs so far
+    impacts: Values  # Number of impacts so far
+    segment: Values  # Segment that the block touches, or touched last; -1 for none
     element: Values
     """Place of what a block on the ground touches in `CentrePath.elements`; -1 where it
     is not known yet."""
-    rolls: Values
-    """1 for a block that rolls, 0 for one that slides."""
+    rolls: Values  # 1 for a block that rolls, 0 for one that slides
     direction: Values
     """Direction of motion along the ground: 1 to the right, -1 to the left."""
-    speed_squared: Values
-    """Squared speed along the ground [m2/s2]."""
-    normal_x: Values
-    """Normal of the plane that the block touches."""
+    speed_squared: Values  # Squared speed along the ground [m2/s2]
+    normal_x: Values  # Normal of the plane that the block touches
     normal_y: Values
-    gap: Values
-    """Distance to that plane [m]; negative in the ground."""
+    gap: Values  # Distance to that plane [m]; negative in the ground
 
     @property
     def is_rolling(self) -> Values:
@@ -146,8 +136,7 @@ class BlockConstants(NamedTuple):
 
     outline: BlockOutline
     mass_properties: MassProperties
-    round: RoundBlock
-    """Round block that rolls in its place."""
+    round: RoundBlock  # Round block that rolls in its place
 
     def centre_height(self, rolls: Values) -> Values:
         """Give the height of the centre over the ground [m]: the round block's radius
@@ -164,8 +153,7 @@ class GroundOfBlocks(NamedTuple):
     """Ground of each block and segment, arrays `(blocks, segments)`."""
 
     soil: Soil
-    rolling_friction: Values
-    """Tangents of the angles of rolling friction."""
+    rolling_friction: Values  # Tangents of the angles of rolling friction
     sliding_friction: Values
     """Tangents of the angles of friction between block and ground."""
 
@@ -191,13 +179,10 @@ class RunState:
 
     profile: Profile
     release: Release
-    path: CentrePath
-    """Paths of the centres of blocks on the ground."""
+    path: CentrePath  # Paths of the centres of blocks on the ground
     limits: Limits
-    seed: int
-    """Seed of the facets."""
-    numbers: np.ndarray
-    """Block numbers that select the random facets."""
+    seed: int  # Seed of the facets
+    numbers: np.ndarray  # Block numbers that select the random facets
     roughness: np.ndarray
     """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
     blocks: BlockState

@@ -275,6 +275,14 @@ def in_pairs(
         start, begun = stop, int(ends[stop - 1])
 
 
+def stretches(chosen: np.ndarray) -> list[tuple[int, int]]:
+    """List where neighbours that are chosen begin and end: the first of each stretch,
+    and the first behind it."""
+    steps = np.diff(np.concatenate([[0], chosen.astype(int), [0]]))
+    ends = (np.flatnonzero(steps == step).tolist() for step in (1, -1))
+    return list(zip(*ends, strict=True))
+
+
 def straight_lines(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Number the straight lines of a polyline: points on a line divide it into
     segments, and change nothing.

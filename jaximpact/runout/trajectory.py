@@ -257,18 +257,12 @@ class Stretches(NamedTuple):
     $2(X - x_0)/(v + w)$ or $(w - v)/a$, whichever does not cancel.
     """
 
-    piece: np.ndarray
-    """Number of the piece, from 0."""
-    start: Values
-    """Start, from the start of the piece [s]."""
-    stop: Values
-    """End, from the start of the piece [s]."""
-    sign: np.ndarray
-    """Direction: 1 to the right, -1 to the left, 0 where x stays."""
-    x_start: Values
-    """x at the start [m]."""
-    x_stop: Values
-    """x at the end [m]."""
+    piece: np.ndarray  # Number of the piece, from 0
+    start: Values  # Start, from the start of the piece [s]
+    stop: Values  # End, from the start of the piece [s]
+    sign: np.ndarray  # Direction: 1 to the right, -1 to the left, 0 where x stays
+    x_start: Values  # x at the start [m]
+    x_stop: Values  # x at the end [m]
 
 
 def stretches_of(runs: Runs) -> Stretches:

@@ -24,15 +24,11 @@ from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
 from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
-from .observed import PER_PLACE, TABLE, Observations, ObservedStops, read_observed
+from .observed import PER_PLACE, Observations, read_observed
 
 FIT, CONTACTS = "fit", "contacts"
-DATA_SETS_KEY = "data_sets"
 DATA_SETS = 1500
 """Default number of data sets behind the posterior."""
-LEAST_DATA_SETS = 200
-"""Least number of them: the regression takes the nearest 20 %, and needs 25 for each
-coefficient."""
 ENDS = np.array([1e-9, 0.5, 1.0 - 1e-9])
 
 
@@ -71,17 +67,14 @@ class SlopeFit:
     @property
     def places(self) -> list[float]:
         """List the places at which passages are found [m], increasing."""
-        lines = [
-            c.place for c in self.observed.channels if not isinstance(c, ObservedStops)
-        ]
-        return sorted({*lines, *(barrier.x for barrier in self.barriers)})
+        lines = {c.place for c in self.observed.channels if c.place is not None}
+        return sorted(lines | {barrier.x for barrier in self.barriers})
 
     @property
     def inputs(self) -> list[Path]:
         """List the files that were read."""
-        law = self.slope.laws[0]
-        files = self.path, *self.slope.checksums, *law.checksums
-        return [*files, *self.observed.inputs]
+        of_law = self.slope.laws[0].checksums
+        return [self.path, *self.slope.checksums, *of_law, *self.observed.inputs]
 
     def values(self, u: np.ndarray) -> np.ndarray:
         """Turn probabilities under the priors into parameters, `(..., parameters)`."""
@@ -92,8 +85,7 @@ class SlopeFit:
 def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     """Read a back-analysis; `jaximpact calibrate --help` describes the file.
 
-    Args:
-        accuracy: accuracy of the full model, in place of the file's.
+    The accuracy of the full model stands in place of the file's.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
@@ -103,8 +95,9 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     if FIT not in content:
         raise top[FIT].error("needs a table [fit]")
     fit = dict(typed(top, content, FIT, dict))
-    given = {DATA_SETS_KEY: fit.pop(DATA_SETS_KEY, DATA_SETS)}
-    data_sets = whole(top[FIT], given, DATA_SETS_KEY, DATA_SETS, LEAST_DATA_SETS)
+    numbers = {"data_sets": fit.pop("data_sets", DATA_SETS)}
+    # The regression takes the nearest 20 %, and needs 25 for each coefficient.
+    data_sets = whole(top[FIT], numbers, "data_sets", DATA_SETS, 200)
     soil = GroundInput.read(path, content).soil
     ground = typed(top, content, "ground", dict, {})
     merged = copy.deepcopy(content)
@@ -119,30 +112,30 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     (law,) = slope.laws
     if isinstance(law.contacts, ClosedForm):
         _warn_of_soil(path, law.name, parameters)
-    told = law.description | dict.fromkeys((p.column.name for p in of_law), "fitted")
-    slope = slope._replace(laws=[law._replace(description=told)])
+    fitted = dict.fromkeys((p.column.name for p in of_law), "fitted")
+    law = law._replace(description=law.description | fitted)
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
-    rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
-    files = {f.name: c for f, c in (slope.checksums | slope.laws[0].checksums).items()}
+    rest = {k: v for k, v in content.items() if k not in ("observed", FIT, "title")}
+    files = {f.name: c for f, c in (slope.checksums | law.checksums).items()}
     observed = read_observed(path, content, profile, slope.seed)
-    fitted = SlopeFit(
+    back_analysis = SlopeFit(
         path=path,
         title=typed(top, content, "title", str, path.stem),
-        slope=slope,
+        slope=slope._replace(laws=[law]),
         parameters=parameters,
         observed=observed,
         barriers=read_barriers(path, content, profile),
         data_sets=data_sets,
-        identity=json.dumps([rest, files, slope.laws[0].description], default=str),
+        identity=json.dumps([rest, files, law.description], default=str),
     )
-    columns = 2 + PER_PLACE * len(fitted.places)
+    columns = 2 + PER_PLACE * len(back_analysis.places)
     check_memory(
         data_sets * observed.released * columns,
         f"{data_sets} data sets of {observed.released} blocks",
-        **top[FIT][DATA_SETS_KEY].place,
+        **top[FIT]["data_sets"].place,
     )
-    return fitted
+    return back_analysis
 
 
 def _warn_of_soil(path: Path, law: str, parameters: Iterable[SlopeParameter]) -> None:
@@ -187,7 +180,7 @@ def _read_parameters(
     for name, value in fit.items():
         if name not in PARTS:
             if name not in columns:
-                known = (*columns, *PARTS, CONTACTS, DATA_SETS_KEY)
+                known = (*columns, *PARTS, CONTACTS, "data_sets")
                 raise unknown(top[FIT], name, known)
             found.append(_parameter(top, f"ground.{name}", value, columns[name]))
             continue

@@ -42,12 +42,10 @@ AHEAD = 0.5
 class NearSegments(NamedTuple):
     """Segments that a search has to watch."""
 
-    pieces: tuple[Piece, ...]
-    """Ends of the segments, each an array `(lanes,)`."""
+    pieces: tuple[Piece, ...]  # Ends of the segments, each an array `(lanes,)`
     segments: np.ndarray
     """Numbers of the segments, `(lanes, pieces)`; -1 where there is none."""
-    until: np.ndarray
-    """Time from which other segments might be reached [s], `(lanes,)`."""
+    until: np.ndarray  # Time from which other segments might be reached [s], `(lanes,)`
 
 
 def watched_segments(
@@ -150,18 +148,12 @@ class FlightEnd(NamedTuple):
     """End of a flight, as the search finds it; of many, arrays `(lanes,)`. In programs
     truths are 1 and 0."""
 
-    time: Values
-    """Duration of the flight [s]."""
-    touched: Values
-    """True where the block touches the ground."""
-    left: Values
-    """True where the centre passes an end of the profile."""
-    failed: Values
-    """True where the search was given up."""
-    segment: Values
-    """Number of the segment touched, else -1."""
-    normal_x: Values
-    """Normal out of the ground at the contact; 0 for none."""
+    time: Values  # Duration of the flight [s]
+    touched: Values  # True where the block touches the ground
+    left: Values  # True where the centre passes an end of the profile
+    failed: Values  # True where the search was given up
+    segment: Values  # Number of the segment touched, else -1
+    normal_x: Values  # Normal out of the ground at the contact; 0 for none
     normal_y: Values
     gap: Values
     """Gap at the contact [m]; negative where the block started in the ground."""

@@ -53,15 +53,12 @@ def barrier(
 class GroundMotion(NamedTuple):
     """Motion of a block along the ground."""
 
-    rolls: Values
-    """1 if it rolls, 0 if it slides."""
-    direction: Values
-    """1 along t, -1 against it."""
+    rolls: Values  # 1 if it rolls, 0 if it slides
+    direction: Values  # 1 along t, -1 against it
     speed_squared: Values
     """Squared speed [m2/s2]; negative where the slope tips a block over that lies so
     low that it has to go down first."""
-    stays: Values
-    """1 where the block lies too deep to come up."""
+    stays: Values  # 1 where the block lies too deep to come up
 
 
 def begin_ground_motion(
@@ -216,8 +213,7 @@ class TakeOff(NamedTuple):
     """Block that leaves the ground."""
 
     block: BlockState
-    flies: Values
-    """1 where the section leaves the ground too; else the block rolls on."""
+    flies: Values  # 1 where the section leaves the ground too; else the block rolls on
 
 
 @closed_form
@@ -265,14 +261,11 @@ class Corner(NamedTuple):
     """Corner of the path of a block's centre; directions are normals out of the
     ground."""
 
-    here_x: Values
-    """Normal of the path along which the block came."""
+    here_x: Values  # Normal of the path along which the block came
     here_y: Values
-    ahead_x: Values
-    """Normal of the plane that it strikes."""
+    ahead_x: Values  # Normal of the plane that it strikes
     ahead_y: Values
-    segment: Values
-    """Number of the segment that it strikes."""
+    segment: Values  # Number of the segment that it strikes
 
 
 @closed_form
