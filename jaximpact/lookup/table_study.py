@@ -45,11 +45,8 @@ class TableStudy(NamedTuple):
 
 
 def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
-    """Read what to tabulate; `jaximpact tabulate --help` describes the file.
-
-    Args:
-        path: the file.
-        accuracy: in place of the file's.
+    """Read what to tabulate, with an accuracy in place of the file's if one is given;
+    `jaximpact tabulate --help` describes the file.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """

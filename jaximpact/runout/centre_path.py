@@ -104,10 +104,8 @@ class CentrePath:
     ) -> "CentrePath":
         """Find the paths over a profile for blocks up to a radius [m].
 
-        Args:
-            changes: true where the ground changes from a segment to the next,
-                `(segments - 1,)`; by default nowhere. Elsewhere segments on a straight
-                line are one element.
+        Segments on a straight line are one element, but where the ground changes from a
+        segment to the next, bool `(segments - 1,)`.
         """
         breaks = np.diff(straight_lines(profile.x, profile.y)) > 0
         if changes is not None:
@@ -145,16 +143,9 @@ class CentrePath:
     def locate(
         self, x: np.ndarray, radius: np.ndarray, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Find the elements that blocks touch with their centres at x.
-
-        Args:
-            x, radius: centres and radii [m], `(blocks,)`.
-            direction: 1 to the right, -1 to the left.
-
-        Returns:
-            Places of the elements, and heights of the centres [m]. Between two elements
-            it is the one ahead.
-        """
+        """Find the elements that blocks touch with their centres at x, and the heights
+        of the centres [m]. Between two elements it is the one ahead, in the direction
+        of 1 to the right or -1 to the left."""
         x = np.clip(x, self.points[0], self.points[-1])
         last = len(self.points) - 1
         first = np.searchsorted(self.points, x - radius) - 1
@@ -210,7 +201,6 @@ class CentrePath:
         Args:
             element: places of the elements that they touch, `(blocks,)`.
             x, y: centres [m], x in the mirror for those that move to the left.
-            radius: of the blocks [m].
             width: number of elements to look at, from 2; those that a block does not
                 reach count, too.
         """

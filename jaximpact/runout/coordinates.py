@@ -6,6 +6,7 @@ steeper than those on Earth is warned of, since nothing else can tell its unit.
 """
 
 import warnings
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -54,22 +55,29 @@ def problem_with(values: np.ndarray, name: str) -> tuple[int, str] | None:
     Returns:
         Its index, and what is wrong with it; None where all are coordinates.
     """
-    cure = "leave out the points without data"
-    others = values[~_is_code(values)]
-    among = f" among {range_of(others)} m" if len(others) else ""
-    for bad, problem in (
-        (~np.isfinite(values), f"must be finite, but is {{}}; {cure}"),
-        (
-            np.abs(values) > LARGEST,
-            f"must be within {LARGEST:g} m of 0, but is {{:g}}; {cure}, and count from "
-            "an origin near the slope",
-        ),
-        (_no_data(values, name), f"is {{:.10g}}{among}, a mark for no data; {cure}"),
-    ):
+    for bad, problem in _problems(values, name):
         if np.any(bad):
             i = int(np.argmax(bad))
             return i, problem.format(values[i])
     return None
+
+
+def _problems(values: np.ndarray, name: str) -> Iterator[tuple[np.ndarray, str]]:
+    """Yield where values have a problem, and its words: each for values that have none
+    of those before."""
+    cure = "leave out the points without data"
+    yield ~np.isfinite(values), f"must be finite, but is {{}}; {cure}"
+    yield (
+        np.abs(values) > LARGEST,
+        f"must be within {LARGEST:g} m of 0, but is {{:g}}; {cure}, and count from an "
+        "origin near the slope",
+    )
+    others = values[~_is_code(values)]
+    among = f" among {range_of(others)} m" if len(others) else ""
+    yield (
+        _no_data(values, name),
+        f"is {{:.10g}}{among}, a mark for no data; {cure}",
+    )
 
 
 def _no_data(values: np.ndarray, name: str) -> np.ndarray:

@@ -18,12 +18,9 @@ import numpy as np
 from ..backend.simd.tables import entries
 from .lane_programs import Values
 
-FAN = 4
-"""Number of nodes under a cover."""
-END = 0
-"""Row of the table at which a search ends."""
-ROOT = 1
-"""Row of the cover over the whole profile."""
+FAN = 4  # nodes under a cover
+END = 0  # row of the table at which a search ends
+ROOT = 1  # row of the cover over the whole profile
 
 
 class Cover(NamedTuple):
@@ -42,11 +39,8 @@ class Cover(NamedTuple):
 
 
 def cover_table(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Build the tree over the points of a profile [m].
-
-    Returns:
-        Nodes, level by level from the top, `(nodes, fields of Cover)`; the first row
-        stands for the end of a search.
+    """Build the tree over the points of a profile [m]: its nodes, level by level from
+    the top, `(nodes, fields of Cover)`. The first row stands for the end of a search.
     """
     span = 1
     lines = [_lines(x, y, span)]
@@ -92,9 +86,5 @@ def _lines(x: np.ndarray, y: np.ndarray, span: int) -> np.ndarray:
 
 
 def node(table: Values, row: Values) -> Cover:
-    """Read a node inside a program.
-
-    Args:
-        table: address of the table.
-    """
+    """Read a node of the table at an address, inside a program."""
     return Cover(*entries(table, row, len(Cover._fields)))

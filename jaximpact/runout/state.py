@@ -38,13 +38,9 @@ EVENT_LIMIT = 10_000
 HOP_THRESHOLD = 1.0
 """Default of the height of a flight, as a fraction of the block's heave, below which
 it rolls."""
-UNDER_WAY = -1.0
-"""Code of the ending of a block that has not ended."""
-UNKNOWN = -1.0
-"""Place of what a block touches, where it is not known yet."""
-JOINED = 1e-8
-"""Fraction of a block's smaller semi-axis up to which pieces of its trajectory may lie
-apart."""
+NONE = -1.0
+"""Code of the ending, and place of the segment and the element, that a block does not
+have, or not yet."""
 
 
 class Phase(enum.IntEnum):
@@ -228,7 +224,7 @@ class RunState:
             contacts=Recorder(ContactRecord),
             pieces=Recorder(Pieces),
             lookahead=np.zeros(n, int),
-            stays_on=np.full(n, UNKNOWN),
+            stays_on=np.full(n, NONE),
             passed=np.full(n, -np.inf),
             blocked=np.zeros(n, bool),
         )
@@ -240,17 +236,14 @@ class RunState:
         piece: Pieces | None = None,
         sinks: bool = False,
     ) -> None:
-        """Move blocks on by a transition.
+        """Move blocks on by a transition, and record the piece of the motion where it
+        takes time.
 
         A block whose centre would come into the ground is wedged in a place narrower
-        than itself: it does not move, and has stopped. What the piece leaves out of the
-        way, as where a round block takes the place of an ellipse, becomes a piece of
-        its own that takes time: no block is anywhere at once.
-
-        Args:
-            after: the blocks after the transition.
-            piece: the motion, to be recorded where it takes time.
-            sinks: whether a block may end in the ground, as in its crater.
+        than itself: it does not move, and has stopped; but for one that sinks, and may
+        end in its crater. What the piece leaves out of the way, as where a round block
+        takes the place of an ellipse, becomes a piece of its own that takes time: no
+        block is anywhere at once.
         """
         x, y = after.body.x, after.body.y
         on_profile = (x > self.profile.x[0]) & (x < self.profile.x[-1])
@@ -286,7 +279,7 @@ class RunState:
         """
         d_x, d_y = after.body.x - x, after.body.y - y
         way = np.sqrt(d_x**2 + d_y**2)
-        apart = way > JOINED * self.constants.outline.smallest[lanes]
+        apart = way > 1e-8 * self.constants.outline.smallest[lanes]
         if not np.any(apart):
             return
         lanes, after = lanes[apart], select(after, apart)
@@ -344,11 +337,11 @@ def _at_release(body: Body) -> BlockState:
         time=zero,
         body=body,
         phase=zero + Phase.airborne,
-        ending=zero + UNDER_WAY,
+        ending=zero + NONE,
         events=zero,
         impacts=zero,
-        segment=zero - 1.0,
-        element=zero - 1.0,
+        segment=zero + NONE,
+        element=zero + NONE,
         rolls=zero,
         direction=zero + 1.0,
         speed_squared=zero,

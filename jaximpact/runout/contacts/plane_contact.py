@@ -1,11 +1,11 @@
 r"""Contact with a plane: from touch to impact, and from its end back onto the plane.
 
 **Footprint.** A block that lands on a facet of centimetres lies on more than the facet.
-Where all straight lines in its footprint, of a width of `FOOTPRINT` times its smaller
-semi-axis about the point that touches, are shorter than that width, the plane of the
-impact is the chord of the ground over the footprint. Else it is the plane by which the
-block touches: edges and feet of longer lines stay as sharp as they are. A block that
-does not close on the chord fast enough for an impact strikes the facet.
+Where all straight lines in its footprint, of a width of half its smaller semi-axis
+about the point that touches, are shorter than that width, the plane of the impact is
+the chord of the ground over the footprint. Else it is the plane by which the block
+touches: edges and feet of longer lines stay as sharp as they are. A block that does not
+close on the chord fast enough for an impact strikes the facet.
 
 The width is our reading: a sphere of radius r that sinks in by r/30, as blocks do,
 touches the ground over about half its radius.
@@ -25,12 +25,6 @@ from ..lane_programs import Values, closed_form
 from ..state import BlockConstants, BlockState
 from ..terrain import Profile
 
-STEEPEST = 1e-4
-"""Least N_y of a plane that is struck: a wall is taken to lean by that much."""
-LITTLE_LATER = 1e-9
-"""Turn by which faces count as level [rad]: more than the rounding of orientations, and
-less than would lower a block by more than the gap within which it touches."""
-
 
 class PlaneContact(NamedTuple):
     """Block that touches a plane, in the frame of the plane."""
@@ -45,24 +39,20 @@ class PlaneContact(NamedTuple):
     closing: Values  # Velocity at which the lowest point goes into the ground [m/s]
 
 
-def _orientation_at_touch(outline: BlockOutline, theta: Values, spin: Values) -> Values:
-    """Turn a shape that may have flat faces a little further: the lowest point of a
-    level face is then the end that comes down, not its middle."""
-    if outline.shape.largest_bending(outline.axes) is not None:
-        return theta
-    return theta + LITTLE_LATER * jnp.sign(spin)
-
-
 def contact_with_plane(
     body: Body, outline: BlockOutline, normal_x: Values, normal_y: Values
 ) -> PlaneContact:
     """Transform a block to the frame of the plane that it touches, given the plane's
     normal N."""
-    slope = jnp.arctan(normal_x / jnp.maximum(normal_y, STEEPEST))
+    # A wall is taken to lean by 1e-4.
+    slope = jnp.arctan(normal_x / jnp.maximum(normal_y, 1e-4))
     sin, cos = jnp.sin(slope), jnp.cos(slope)
-    theta = _orientation_at_touch(
-        outline, body.orientation - slope, body.angular_velocity
-    )
+    theta = body.orientation - slope
+    if outline.shape.largest_bending(outline.axes) is None:
+        # Of a level flat face the lowest point is the end that comes down, not its
+        # middle: a turn of more than the rounding of orientations, that lowers no block
+        # by more than the gap within which it touches.
+        theta = theta + 1e-9 * jnp.sign(body.angular_velocity)
     _, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     v_n = -(body.v_x * sin + body.v_y * cos)
     v_t = body.v_x * cos - body.v_y * sin
@@ -89,12 +79,8 @@ def touch(block: BlockState, constants: BlockConstants) -> Touch:
 def touch_facet(
     block: BlockState, constants: BlockConstants, slope: Values, turn: Values
 ) -> PlaneContact:
-    """Transform a block that touches the ground to the frame of a facet there.
-
-    Args:
-        slope: angle of the segment [rad].
-        turn: angle of the facet from the segment [rad].
-    """
+    """Transform a block that touches the ground to the frame of a facet there, which is
+    turned from its segment [rad]."""
     facet = slope + turn
     return contact_with_plane(
         block.body, constants.outline, jnp.sin(facet), jnp.cos(facet)
@@ -168,24 +154,8 @@ def settle(
     along the plane during contact: it is the duration times the mean of v_t before and
     after; up-slope it ends where it would add energy, see `impact.depart`.
     """
-    after = _after(constants, contact, block.gap, response)
-    sin, cos = jnp.sin(contact.slope), jnp.cos(contact.slope)
-    return Settled(
-        after,
-        x=block.body.x + after.rise * sin,
-        y=block.body.y + after.rise * cos,
-        along_x=after.travel * cos,
-        along_y=-after.travel * sin,
-    )
-
-
-def _after(
-    constants: BlockConstants,
-    contact: PlaneContact,
-    gap: Values,
-    response: ImpactResponse,
-) -> PostImpact:
     outline, (mass, inertia) = constants.outline, constants.mass_properties
+    sin, cos = jnp.sin(contact.slope), jnp.cos(contact.slope)
     theta = contact.orientation + response.rotation
     before, _ = support(
         outline, jnp.sin(contact.orientation), jnp.cos(contact.orientation)
@@ -193,22 +163,28 @@ def _after(
     radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     v_n, v_t, spin = response[:3]
     kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
-    climb = mass * GRAVITY * jnp.cos(contact.slope) * (response.sinking - gap)
+    climb = mass * GRAVITY * cos * (response.sinking - block.gap)
     left = kinetic - climb
     fraction = safe_sqrt(left / jnp.where(kinetic > 0.0, kinetic, 1.0))
     v_n, v_t, spin = fraction * v_n, fraction * v_t, fraction * spin
-    return PostImpact(
+    mean = 0.5 * (contact.tangential_velocity + response.tangential_velocity)
+    after = PostImpact(
         orientation=theta,
         # A block that cannot climb stays as deep as it is.
-        rise=radius - before - jnp.where(left > 0.0, gap, response.sinking),
-        travel=0.5
-        * (contact.tangential_velocity + response.tangential_velocity)
-        * response.duration,
+        rise=radius - before - jnp.where(left > 0.0, block.gap, response.sinking),
+        travel=mean * response.duration,
         normal_velocity=v_n,
         tangential_velocity=v_t,
         angular_velocity=spin,
         leaving=-(v_n + arm * spin),
         climbs=(left > 0.0).astype(float),
+    )
+    return Settled(
+        after,
+        x=block.body.x + after.rise * sin,
+        y=block.body.y + after.rise * cos,
+        along_x=after.travel * cos,
+        along_y=-after.travel * sin,
     )
 
 
@@ -226,56 +202,36 @@ class Continuation(NamedTuple):
     stuck: Values  # True for a block that lacks the energy to climb out of the ground
 
 
-FOOTPRINT = 0.5
-"""Width of the footprint, as a fraction of the smaller semi-axis."""
-
-
 def on_footprint(
     profile: Profile, block: BlockState, constants: BlockConstants
 ) -> BlockState:
-    """Give blocks the planes that they strike.
-
-    Args:
-        block: blocks that touch the ground, with the planes of what they touch.
-    """
+    """Give blocks that touch the ground the planes that they strike."""
     outline = constants.outline
-    half = 0.5 * FOOTPRINT * outline.smallest
-    segment = block.segment.astype(int)
+    half = 0.25 * outline.smallest
     lines = profile.straight_length
-    small = np.flatnonzero(lines[segment] < 2.0 * half)
+    small = np.flatnonzero(lines[block.segment.astype(int)] < 2.0 * half)
     if not len(small):
         return block
-    x = _touching_x(block, outline)[small]
-    one = np.maximum(x - half[small], profile.x[0])
-    two = np.minimum(x + half[small], profile.x[-1])
-    fine = _longest(profile, lines, one, two) < 2.0 * half[small]
-    small, one, two = small[fine], one[fine], two[fine]
-    d_x, d_y = two - one, profile.height(two) - profile.height(one)
-    length = np.sqrt(d_x**2 + d_y**2)
-    normal_x, normal_y = block.normal_x.copy(), block.normal_y.copy()
-    normal_x[small], normal_y[small] = -d_y / length, d_x / length
-    struck = block._replace(normal_x=normal_x, normal_y=normal_y)
-    seen = touch(struck, constants)
-    closes = seen.contact.closing >= seen.slow
-    return block._replace(
-        normal_x=np.where(closes, normal_x, block.normal_x),
-        normal_y=np.where(closes, normal_y, block.normal_y),
-    )
-
-
-def _longest(
-    profile: Profile, lines: np.ndarray, one: np.ndarray, two: np.ndarray
-) -> np.ndarray:
-    """Find the longest of the lines between some x and others [m]."""
-    first = np.searchsorted(profile.x, one, side="right") - 1
-    last = np.searchsorted(profile.x, two, side="left")
-    ranges = np.stack([first, last], axis=1).ravel()
-    return np.maximum.reduceat(np.append(lines, 0.0), ranges)[::2]
-
-
-def _touching_x(block: BlockState, outline: BlockOutline) -> np.ndarray:
-    """Compute x of the point at which blocks touch [m]."""
     n_x, n_y = block.normal_x, block.normal_y
     theta = block.body.orientation - np.arctan2(n_x, n_y)
     radius, arm = support_of(outline, theta)
-    return block.body.x - radius * n_x + arm * n_y
+    x = (block.body.x - radius * n_x + arm * n_y)[small]  # of the point that touches
+    one = np.maximum(x - half[small], profile.x[0])
+    two = np.minimum(x + half[small], profile.x[-1])
+    first = np.searchsorted(profile.x, one, side="right") - 1
+    last = np.searchsorted(profile.x, two, side="left")
+    ranges = np.stack([first, last], axis=1).ravel()
+    longest = np.maximum.reduceat(np.append(lines, 0.0), ranges)[::2]
+    fine = longest < 2.0 * half[small]
+    small, one, two = small[fine], one[fine], two[fine]
+    d_x, d_y = two - one, profile.height(two) - profile.height(one)
+    length = np.sqrt(d_x**2 + d_y**2)
+    normal_x, normal_y = n_x.copy(), n_y.copy()
+    normal_x[small], normal_y[small] = -d_y / length, d_x / length
+    struck = block._replace(normal_x=normal_x, normal_y=normal_y)
+    touched = touch(struck, constants)
+    closes = touched.contact.closing >= touched.slow
+    return block._replace(
+        normal_x=np.where(closes, normal_x, n_x),
+        normal_y=np.where(closes, normal_y, n_y),
+    )

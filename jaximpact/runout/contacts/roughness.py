@@ -32,12 +32,6 @@ from .plane_contact import Continuation, PlaneContact, PostImpact, Touch, touch_
 
 CUT = 3.0
 """Number of standard deviations at which the distribution is truncated."""
-STEEPEST_FACET = np.radians(85.0)
-"""Facets steeper than this, and than their segment, are rejected [rad]."""
-ATTEMPTS = 32
-"""Number of facets sampled for an impact; then it strikes the segment. Nearly half of
-all facets face even a block that grazes the ground."""
-STREAM = "roughness"
 
 
 def strike_facets(
@@ -47,12 +41,8 @@ def strike_facets(
     struck: PlaneContact,
     rough: np.ndarray,
 ) -> np.ndarray:
-    """Sample the facets that impacts strike.
-
-    Args:
-        touched: contacts with the segments that the blocks touch.
-        struck: contacts with what they strike, written to.
-        rough: which of the blocks strike rough ground.
+    """Sample the facets that impacts on rough ground strike, and write the contacts
+    with them to `struck`.
 
     Returns:
         Angles of the facets from the segments [rad], `(lanes,)`; 0 for a block that
@@ -63,20 +53,23 @@ def strike_facets(
     slope, slow = touched.contact.slope, touched.slow
     turned = np.zeros(len(lanes))
     open_yet = np.flatnonzero(rough)
-    key = key_of(state.seed, STREAM)
-    for attempt in range(ATTEMPTS):
+    key = key_of(state.seed, "roughness")
+    # Nearly half of all facets face even a block that grazes the ground: one that finds
+    # none of 32 strikes the segment.
+    for attempt in range(32):
         if not len(open_yet):
             break
-        some = lanes[open_yet]
-        number = state.numbers[some]
+        blocks = lanes[open_yet]
+        number = state.numbers[blocks]
         uniform = uniforms_at(
-            [block.impacts[some], attempt, number & 0xFFFFFFFF, number >> 32], key
+            [block.impacts[blocks], attempt, number & 0xFFFFFFFF, number >> 32], key
         )
         turn = deviation[open_yet] * _truncated_normal(uniform)
         facet = touch_facet(
-            *select((block, state.constants), some), slope[open_yet], turn
+            *select((block, state.constants), blocks), slope[open_yet], turn
         )
-        steepest = np.maximum(STEEPEST_FACET, np.abs(slope[open_yet]))
+        # Not steeper than both 85 degrees and the segment.
+        steepest = np.maximum(np.radians(85.0), np.abs(slope[open_yet]))
         good = np.abs(slope[open_yet] + turn) <= steepest
         good &= facet.closing >= slow[open_yet]
         put(struck, open_yet[good], select(facet, good))
@@ -99,14 +92,8 @@ def lift_off_facet(
     after: PostImpact,
     on: Continuation,
 ) -> tuple[PostImpact, Continuation]:
-    """Set a block that a facet left in its segment back on it.
-
-    Args:
-        touched: contact with the segment.
-        struck, after: contact with the facet at touch, and the block on it after.
-        gap: gap at touch [m].
-        on: the block as the facet leaves it.
-    """
+    """Set a block that a facet left in its segment back on it, given its gap at touch
+    [m], and the block on the facet after the contact and as it leaves it."""
     outline, (mass, inertia) = constants.outline, constants.mass_properties
     contact, slow = touched
     turn = struck.slope - contact.slope

@@ -31,10 +31,6 @@ from .time_of_impact import (
     touching_gap,
 )
 
-CLOSE = 0.01
-"""Gap to a cover, as a fraction of the circumscribed circle's radius, from which on a
-search goes into it."""
-
 
 class GroundSearch(NamedTuple):
     """State of a search."""
@@ -61,14 +57,8 @@ class GroundSearch(NamedTuple):
 def begin(
     body: Body, outline: BlockOutline, tree: Values, scale: Values, until: Values
 ) -> GroundSearch:
-    """Begin a search.
-
-    Args:
-        body, outline: the block at the start of its flight.
-        tree: address of the table of the covers.
-        scale: size of the coordinates [m], for their rounding.
-        until: longest time to follow [s].
-    """
+    """Begin a search for the contact of a flight until a time [s], in the tree at an
+    address; the scale is the size of the coordinates, for their rounding [m]."""
     zero = jnp.zeros_like(body.x)
     return GroundSearch(
         body=body,
@@ -110,9 +100,10 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
     first = touches & ((now.time < now.until) | counts | ~now.touched)
     until = jnp.where(first, now.time, now.until)
 
-    close = CLOSE * now.outline.largest
+    # A search goes into a cover from a gap of a hundredth of the block's size on. Half
+    # of that is left, so that the block does not come into it.
+    close = 0.01 * now.outline.largest
     enters = ~is_segment & (gap.width <= close)
-    # To a cover half of that is left, so that the block does not come into it.
     lower = jnp.where(is_segment, depth, -0.5 * close)
     free = time_without_contact(
         body, now.outline, axis, piece, candidates, lower, now.slack

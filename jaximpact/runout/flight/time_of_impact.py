@@ -22,9 +22,6 @@ from .narrow_phase import (
     widest,
 )
 
-TOUCHING = 1e-9
-"""Gap, as a fraction of the circumscribed circle's radius, within which a block
-touches; rounding of the coordinates is added."""
 APPROACHING = 1e-8
 """Closing speed that counts as one [m/s]; below it is rounding."""
 MAX_STEPS = 20_000
@@ -67,8 +64,9 @@ class FirstContact(NamedTuple):
 
 
 def touching_gap(outline: BlockOutline, scale: Values) -> Values:
-    """Compute the gap within which a block touches [m]; scale as for `begin`."""
-    return TOUCHING * outline.largest + 4e-15 * scale
+    """Compute the gap within which a block touches [m]: a part of its size, and the
+    rounding of coordinates of this size [m]."""
+    return 1e-9 * outline.largest + 4e-15 * scale
 
 
 def begin(
@@ -78,13 +76,8 @@ def begin(
     scale: Values,
     until: Values,
 ) -> Search:
-    """Begin a search.
-
-    Args:
-        body, outline: the block at the start of its flight.
-        pieces: segments to now.
-        scale: size of the coordinates [m], for their rounding.
-        until: time for which the pieces suffice [s].
+    """Begin a search for the contact of a flight with some segments, which suffice
+    until a time [s]; the scale is the size of the coordinates, for their rounding [m].
     """
     axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
     widths = [widest(gaps(body, outline, axis, piece)).width for piece in pieces]

@@ -42,8 +42,6 @@ class Riders(NamedTuple):
 MILD = LARGEST_TURN
 """Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
 points then lie closer than an eighth of the curve's radius."""
-CURVE = 2.0
-"""Radii of the block, at both sides, to which a single point may belong to a curve."""
 
 
 class MotionAhead(NamedTuple):
@@ -96,7 +94,7 @@ def _least_squared(
 
 least_squared = closed_form(_least_squared)
 """`least_squared(riders, n_x, n_y, friction)`: squared speeds below which blocks do not
-roll on over their long axes [m2/s2], as `rolling.barrier` gives them."""
+roll on over their long axes [m2/s2], as `rolling.begin_ground_motion` needs them."""
 
 
 def _arc(ahead: Ahead, h: Values) -> Values:
@@ -174,7 +172,8 @@ def _is_loose(
     ahead: Ahead, motion: MotionAhead, bend: Bend, riders: Riders, arc: Values
 ) -> Values:
     h = riders.radius
-    near = jnp.minimum(bend.shorter, 2.0 * CURVE * h)
+    # A single point may belong to a curve of two radii of the block at both sides.
+    near = jnp.minimum(bend.shorter, 4.0 * h)
     curve = jnp.where(bend.on_curve > 0.0, bend.shorter, near) + h * arc
     falls = GRAVITY * ahead.start_normal_y
     mild = motion.start_squared * arc > falls * curve
@@ -184,10 +183,6 @@ def _is_loose(
     slides &= bend.begins > 0.0
     sharp = jnp.where(riders.rolls > 0.0, at_start | at_stop, slides)
     return (arc > 0.0) & jnp.where(ahead.is_whole > 0.0, mild, sharp)
-
-
-FIRST_LOOKAHEAD = 8
-"""Number of elements that a search for the end of a hop evaluates first."""
 
 
 class Hops(NamedTuple):
@@ -207,16 +202,11 @@ def find_hops(
     n_y: np.ndarray,
     squared: np.ndarray,
 ) -> Hops:
-    """Find out which flights are followed, and where the others end.
-
-    Args:
-        element: elements at which blocks leave the path, `(blocks,)`.
-        x, y: their centres there [m], x in the mirror for those that move to the left.
-        n_x, n_y: normals there.
-        squared: squared speeds there [m2/s2].
-    """
+    """Find out which flights are followed, and where the others end, of blocks that
+    leave the path on elements: from their centres there [m], x in the mirror for those
+    that move to the left, with the path's normals and squared speeds [m2/s2]."""
     flies, landing_x = np.zeros(len(x), bool), x.copy()
-    asking, width = np.arange(len(x)), FIRST_LOOKAHEAD
+    asking, width = np.arange(len(x)), 8  # elements, and twice as many if need be
     here = element, x, y
     slope, along = -n_x / n_y, squared * n_y**2
     bend = 0.5 * GRAVITY / along

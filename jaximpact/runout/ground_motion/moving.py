@@ -10,7 +10,7 @@ from ...backend.threads import thread_count
 from ...scene import GRAVITY
 from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
-from ..state import UNKNOWN, BlockConstants, BlockState, Phase, RunState
+from ..state import NONE, BlockConstants, BlockState, Phase, RunState
 from ..trajectory import Ending, Pieces
 from .conditions import Riders, least_squared
 from .ride import Event, Place, Ride, ride
@@ -35,7 +35,7 @@ def move_along(state: RunState, lanes: np.ndarray) -> None:
             jobs += [(part, int(width)) for part in np.array_split(alike, parts)]
         _ride_side_by_side(state, jobs)
         grounded = blocks.phase[lanes] == Phase.grounded
-        known = blocks.element[lanes] != UNKNOWN
+        known = blocks.element[lanes] != NONE
         lanes = lanes[grounded & known]
 
 
@@ -61,7 +61,7 @@ def _placed(state: RunState, lanes: np.ndarray) -> np.ndarray:
     """Put blocks onto the path of the centre, at the cost of the energy for it, and
     give those that move: one that cannot come up is wedged where it lies, and stops."""
     blocks = state.blocks
-    new = lanes[blocks.element[lanes] == UNKNOWN]
+    new = lanes[blocks.element[lanes] == NONE]
     if not len(new):
         return lanes
     block, constants = select((blocks, state.constants), new)
@@ -157,7 +157,7 @@ def _ride(state: RunState, lanes: np.ndarray, width: int) -> None:
     state.lookahead[lanes] = np.where(
         goes_on, longer, max(width // 2, SHORTEST_LOOKAHEAD)
     )
-    state.stays_on[lanes[~goes_on]] = UNKNOWN
+    state.stays_on[lanes[~goes_on]] = NONE
     state.passed[lanes] = np.where(goes_on, ridden.passed, -np.inf)
     for event, happens in HAPPENING.items():
         chosen = np.flatnonzero(ridden.event == event)

@@ -19,7 +19,7 @@ the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if the fligh
 followed (`conditions`). Where the ground turns down by less than `MILD`, $\kappa$ is
 that of the curve that the points draw, from the middle of the shorter segment beside
 it; else it is that of the arc, $1/r$. A point that stands alone, where those beside it
-do not bend the same way, draws a curve of `CURVE` radii at most.
+do not bend the same way, draws a curve of two radii at most.
 
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.

@@ -29,25 +29,8 @@ import jax.numpy as jnp
 from ...scene import GRAVITY
 from ..blocks import support
 from ..lane_programs import Values, closed_form
-from ..state import UNKNOWN, BlockConstants, BlockState, Phase
+from ..state import NONE, BlockConstants, BlockState, Phase
 from ..trajectory import Ending
-
-
-def barrier(
-    constants: BlockConstants, slope: Values, rolling_friction: Values
-) -> Values:
-    """Compute the least kinetic energy for rolling [J]; 0 on a slope that tips the
-    block.
-
-    Args:
-        slope: angle w [rad], of either sign.
-        rolling_friction: tangent of phi_r.
-    """
-    whole = constants.round
-    steep = jnp.abs(jnp.tan(slope)) > whole.turning_slope + rolling_friction
-    height = whole.tallest - whole.radius
-    energy = constants.mass_properties.mass * GRAVITY * jnp.cos(slope) * height
-    return jnp.where(steep, 0.0, energy)
 
 
 class GroundMotion(NamedTuple):
@@ -73,23 +56,19 @@ def begin_ground_motion(
 
     The block is brought to rolling by an impulse at the ground, which leaves the
     angular momentum about the contact as it is and costs the energy of the slip; its
-    centre comes to the height of the round block, which costs or gives energy. If the
-    rest takes it over its long axis it rolls. Else it slides at the velocity that it
-    has along the ground, and its rotation is lost.
-
-    Args:
-        height: height of the centre over the plane [m].
+    centre comes from its height over the plane [m] to that of the round block, which
+    costs or gives energy. If the rest takes it over its long axis it rolls. Else it
+    slides at the velocity that it has along the ground, and its rotation is lost.
     """
-    mass, inertia = constants.mass_properties
-    radius = constants.round.radius
-    whole = mass * radius**2 + inertia
-    spin = (mass * radius * tangential_velocity + inertia * angular_velocity) / whole
-    lift = mass * GRAVITY * jnp.cos(slope) * (radius - height)
-    energy = 0.5 * whole * spin**2 - lift
-    needed = barrier(constants, slope, rolling_friction)
+    (mass, inertia), whole = constants.mass_properties, constants.round
+    radius, weight = whole.radius, mass * GRAVITY * jnp.cos(slope)
+    turning = mass * radius**2 + inertia
+    spin = (mass * radius * tangential_velocity + inertia * angular_velocity) / turning
+    energy = 0.5 * turning * spin**2 - weight * (radius - height)
+    steep = jnp.abs(jnp.tan(slope)) > whole.turning_slope + rolling_friction
+    # Least energy for rolling: none on a slope that tips the block.
+    needed = jnp.where(steep, 0.0, weight * (whole.tallest - radius))
     rolls = (needed <= 0.0) | (energy >= needed)
-    turning_slope = constants.round.turning_slope
-    steep = jnp.abs(jnp.tan(slope)) > turning_slope + rolling_friction
     rounding = 1e-9 * mass * GRAVITY * radius
     energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
     # A block that lies down loses its height; any height that it gains costs energy.
@@ -102,7 +81,7 @@ def begin_ground_motion(
         rolls=rolls.astype(float),
         direction=jnp.where(direction >= 0.0, 1.0, -1.0),
         speed_squared=jnp.where(
-            rolls, 2.0 * radius**2 * energy / whole, jnp.maximum(sliding, 0.0)
+            rolls, 2.0 * radius**2 * energy / turning, jnp.maximum(sliding, 0.0)
         ),
         stays=jnp.where(
             rolls, (energy < 0.0) & ~steep, sliding < -1e-9 * GRAVITY * radius
@@ -118,11 +97,8 @@ in hundreds of hops of 0.2 mm."""
 
 
 def small_speed(smallest: Values, slope: Values) -> Values:
-    """Compute the speed across a plane below which there is no hop or impact [m/s].
-
-    Args:
-        smallest: height of the centre of the block lying on its flat side [m].
-    """
+    """Compute the speed across a plane below which there is no hop or impact [m/s], of
+    blocks by the height of their centres as they lie on their flat sides [m]."""
     return jnp.sqrt(2.0 * GRAVITY * jnp.cos(slope) * SMALL_RISE * smallest)
 
 
@@ -141,11 +117,8 @@ def begin_on_ground(
     goes down-slope for it.
 
     Args:
-        plane: angle of the plane on which it rests [rad].
-        rolling_friction: that of the segment.
+        plane: angle of the plane on which it rests [rad], with rolling friction.
         height: height of its centre over the plane [m].
-        tangential_velocity, angular_velocity: velocities along it [m/s], and of
-            rotation [rad/s].
     """
     motion = begin_ground_motion(
         constants=constants,
@@ -166,7 +139,7 @@ def begin_on_ground(
     lying = lying_orientation(body.orientation, constants, plane)
     begun = block._replace(
         phase=jnp.full_like(block.phase, float(Phase.grounded)),
-        element=jnp.full_like(block.element, UNKNOWN),
+        element=jnp.full_like(block.element, NONE),
         rolls=motion.rolls,
         direction=jnp.where(short, down, motion.direction),
         speed_squared=jnp.where(short, 0.0, motion.speed_squared),
@@ -190,16 +163,13 @@ def lying_orientation(
 
 @closed_form
 def lie_down(block: BlockState, constants: BlockConstants, plane: Values) -> BlockState:
-    """Lay a block down that is too slow to roll: it slides on its flat side.
-
-    Args:
-        plane: angle of the plane on which it rests [rad].
-    """
+    """Lay a block down that is too slow to roll: it slides on its flat side, on a plane
+    at an angle [rad]."""
     drop = constants.round.radius - constants.outline.smallest
     sin, cos = jnp.sin(plane), jnp.cos(plane)
     return block._replace(
         rolls=jnp.zeros_like(block.rolls),
-        element=jnp.full_like(block.element, UNKNOWN),
+        element=jnp.full_like(block.element, NONE),
         normal_x=sin,
         normal_y=cos,
     ).moved(
@@ -220,14 +190,11 @@ class TakeOff(NamedTuple):
 def take_off(
     block: BlockState, constants: BlockConstants, normal_x: Values, normal_y: Values
 ) -> TakeOff:
-    """Let blocks leave the ground.
+    """Let blocks leave the ground, where the path has this normal.
 
     A block that rolled has its section over the point that it touched, turning about it
     without slip, with the energy of the round block. It flies if it is fast enough for
     that. A block that slid flies as it lies.
-
-    Args:
-        normal_x, normal_y: normal of the path where it leaves.
     """
     mass, inertia = constants.mass_properties
     direction, body, rolls = block.direction, block.body, block.is_rolling
