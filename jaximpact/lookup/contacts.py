@@ -133,11 +133,11 @@ class _Pair(NamedTuple):
 
 def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
     """Blocks on grounds, those of one shape at a time."""
-    found = []
+    pairs = []
     for alone, chosen in each_shape(Scene(block, soil)):
         leaves, structure = jax.tree.flatten((alone.block, alone.soil))
-        found.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
-    return found
+        pairs.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
+    return pairs
 
 
 def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:

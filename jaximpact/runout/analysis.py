@@ -82,14 +82,14 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     chosen, trajectory = select(all_of, passes), trajectory[passes]
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
     release = runs.release
-    found = shape_by_shape(
+    passed = shape_by_shape(
         partial(_passage, runs.profile.height(x)),
         select(release.outline, trajectory),
         select(release.mass_properties, trajectory),
         select(runs.pieces, chosen.piece),
         np.where(jumps, chosen.stop, time_at(runs, chosen, x)),
     )
-    return found._replace(trajectory=trajectory)
+    return passed._replace(trajectory=trajectory)
 
 
 @closed_form
@@ -254,8 +254,8 @@ def _ends_of_parts(
     back = part.sign < 0.0
 
     def end(of_stretch, is_stop, border) -> np.ndarray:
-        own = np.where(is_stop, part.stop, part.start)
-        return np.where(of_stretch, own, time_at(runs, part, cells[border]))
+        at_end = np.where(is_stop, part.stop, part.start)
+        return np.where(of_stretch, at_end, time_at(runs, part, cells[border]))
 
     return end(at_low, back, cell), end(at_high, ~back, cell + 1)
 

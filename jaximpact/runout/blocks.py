@@ -172,8 +172,8 @@ class Release(ShownAsTable):
         angular_velocity: ArrayLike = 0.0,
     ):
         expect("a release's block", block, Block)
-        given = Body(x, y, v_x, v_y, orientation, angular_velocity)._asdict()
-        body = {n: real_numbers(f"a release's {n}", v) for n, v in given.items()}
+        motion = Body(x, y, v_x, v_y, orientation, angular_velocity)._asdict()
+        body = {n: real_numbers(f"a release's {n}", v) for n, v in motion.items()}
         shapes = [np.shape(leaf) for leaf in (*jax.tree.leaves(block), *body.values())]
         try:
             shape = np.broadcast_shapes(*shapes, (1,))

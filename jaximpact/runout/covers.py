@@ -78,9 +78,9 @@ def _lines(x: np.ndarray, y: np.ndarray, span: int) -> np.ndarray:
     last = len(x) - 1
     start = np.arange(0, last, span)
     end = np.minimum(start + span, last)
-    own = np.repeat(np.arange(len(start)), end - start)
+    line = np.repeat(np.arange(len(start)), end - start)
     slope = (y[end] - y[start]) / (x[end] - x[start])
-    over = y[:-1] - y[start][own] - slope[own] * (x[:-1] - x[start][own])
+    over = y[:-1] - y[start][line] - slope[line] * (x[:-1] - x[start][line])
     lift = np.maximum.reduceat(over, start)
     return np.stack([x[start], y[start] + lift, x[end], y[end] + lift])
 

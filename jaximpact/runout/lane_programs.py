@@ -80,7 +80,7 @@ class LaneProgram:
 
         def compiled() -> tuple[Code, Any]:
             kernel = compile_kernel(
-                *(lambda given: begin(*given), step, lambda _, state: finish(state)),
+                *(lambda leaves: begin(*leaves), step, lambda _, state: finish(state)),
                 jax.tree.map(lambda _: one, inputs),
             )
             return kernel.code, _template(kernel.structure)
@@ -152,8 +152,8 @@ class _ByXla:
             mode = "edge" if lanes else "constant"
             padded = np.pad(part, ((0, 0), (0, missing)), mode)
             with tracing():
-                found = jax.tree.leaves(self._run(padded))
-            parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in found])
+                leaves = jax.tree.leaves(self._run(padded))
+            parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in leaves])
         return [np.concatenate(x) for x in zip(*parts, strict=True)]
 
 
@@ -192,8 +192,8 @@ class ClosedProgram:
         computed = iter(())
         if kernel is not None:
             used = [leaves[place] for place in plan.used]
-            own = np.broadcast_shapes((1,), *map(np.shape, used))
-            computed = iter(_run(kernel, used, own, LANES_PER_THREAD_OF_ONE_STEP))
+            needed = np.broadcast_shapes((1,), *map(np.shape, used))
+            computed = iter(_run(kernel, used, needed, LANES_PER_THREAD_OF_ONE_STEP))
         results = [
             np.asarray(next(computed) if place is None else leaves[place], float)
             for place in plan.passed
@@ -212,9 +212,9 @@ class ClosedProgram:
             of_lanes, ended = jax.vmap(reduced), np.zeros(1, bool)
             # All is done as a lane ends, so that nothing is kept of it before.
             functions = without_copies(
-                lambda given: (),
+                lambda inputs: (),
                 lambda state: (state, ended),
-                lambda given, _: of_lanes(*given),
+                lambda inputs, _: of_lanes(*inputs),
             )
             one = jax.ShapeDtypeStruct((1,), float)
             code = compile_code(functions, [one] * len(plan.used))
@@ -248,10 +248,10 @@ def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:
 
     function_traced = jaxpr_as_fun(traced)
 
-    def reduced(*own):
-        given = dict(zip(used, own, strict=True))
-        found = function_traced(*(given.get(i, 0.0) for i in range(len(one))))
-        return [x for x, place in zip(found, passed, strict=True) if place is None]
+    def reduced(*values):
+        by_place = dict(zip(used, values, strict=True))
+        computed = function_traced(*(by_place.get(i, 0.0) for i in range(len(one))))
+        return [x for x, place in zip(computed, passed, strict=True) if place is None]
 
     return _Plan(used, passed, _template(jax.tree.structure(results))), reduced
 

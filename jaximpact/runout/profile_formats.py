@@ -96,8 +96,8 @@ def read_profile_table(
         numbers[name] = np.array([float(cell) for cell in column])
     x, y = (numbers.pop(name) for name in POINT_COLUMNS)
     for column, values in zip(POINT_COLUMNS, (x, y), strict=True):
-        if found := problem_with(values, column.removesuffix("_m")):
-            place, problem = found
+        if bad := problem_with(values, column.removesuffix("_m")):
+            place, problem = bad
             raise _error(path, problem, lines[place], column)
     fields: dict[str, ArrayLike] = {}
     angles: dict[str, ArrayLike] = {

@@ -204,15 +204,15 @@ def draw(
     whole_number("count", count, 0)
     check_memory(count * len(quantities), f"{count} blocks")
     samples, repeats = {}, combinations(quantities)
-    for name, given in quantities.items():
-        if type(given) is tuple:
-            repeats //= len(given)
-            places = np.arange(count) // repeats % len(given)
-            samples[name] = np.asarray(given)[places]
-        elif isinstance(given, Distribution):
-            samples[name] = given.values(uniforms(seed, name, count))
+    for name, quantity in quantities.items():
+        if type(quantity) is tuple:
+            repeats //= len(quantity)
+            places = np.arange(count) // repeats % len(quantity)
+            samples[name] = np.asarray(quantity)[places]
+        elif isinstance(quantity, Distribution):
+            samples[name] = quantity.values(uniforms(seed, name, count))
         else:
-            samples[name] = np.full(count, real_number(name, given))
+            samples[name] = np.full(count, real_number(name, quantity))
     return samples
 
 
@@ -305,7 +305,7 @@ class RandomField(NamedTuple):
         stream = key_of(seed, f"{key} along the slope")
         rho = np.exp(-1.0 / CELLS_PER_LENGTH)
         wanted, place = np.unique(cells, return_inverse=True)
-        found, z = np.empty((count, len(wanted))), np.zeros(count)
+        fields, z = np.empty((count, len(wanted))), np.zeros(count)
         column = 0
         for cell in range(int(wanted[-1]) + 1):
             step = ndtri(uniforms_at([np.uint64(cell), np.uint64(0), *words], stream))
@@ -313,6 +313,6 @@ class RandomField(NamedTuple):
             if cell == wanted[column]:
                 # Away from 0 and 1, as the inverse distribution functions need it.
                 uniforms = np.clip(ndtr(z), 2.0**-54, 1.0 - 2.0**-53)
-                found[:, column] = self.distribution.values(uniforms)
+                fields[:, column] = self.distribution.values(uniforms)
                 column += 1
-        return found[:, place]
+        return fields[:, place]

@@ -116,14 +116,14 @@ class Profile(ShownAsTable):
                     f"but got shape {np.shape(values)}"
                 ) from None
 
-        given = {"rolling_friction_angle": rolling_friction_angle}
-        given |= {"roughness": roughness}
+        of_angles = {"rolling_friction_angle": rolling_friction_angle}
+        of_angles |= {"roughness": roughness}
         fields = {}
         for column in ground_columns(soil).values():
             field, of_soil = column.field, column.part == "soil"
             name = f"Soil.{field}" if of_soil else field
             values = of_segments(
-                name, getattr(soil, field) if of_soil else given[field]
+                name, getattr(soil, field) if of_soil else of_angles[field]
             )
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
@@ -279,8 +279,8 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
     if len(x) < 2:
         return f" needs at least two points, but got {len(x)}"
     for name, values in (("x", x), ("y", y)):
-        if found := problem_with(values, name):
-            i, problem = found
+        if bad := problem_with(values, name):
+            i, problem = bad
             return f"'s {name} of point {i + 1} {problem}"
     back = np.diff(x) <= NARROWEST
     if np.any(back):
@@ -403,12 +403,12 @@ def with_ground_values(soil: Soil, values: Mapping[str, Any]) -> tuple[Soil, Any
     names of their columns, in SI units. The soil gives what is not among the values;
     angles that are not there have their defaults."""
     columns = columns_of_part("soil", soil)
-    own = {c.field: values[name] for name, c in columns.items() if name in values}
+    fields = {c.field: values[name] for name, c in columns.items() if name in values}
     rolling, roughness = (
         values.get(name, column.factor * column.default)
         for name, column in ANGLE_COLUMNS.items()
     )
-    return dataclasses.replace(soil, **own), rolling, roughness
+    return dataclasses.replace(soil, **fields), rolling, roughness
 
 
 def spread(values: ArrayLike, blocks: int, segments: int) -> np.ndarray:

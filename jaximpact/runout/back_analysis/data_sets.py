@@ -90,14 +90,14 @@ def simulate_data_sets(
 
 def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarray:
     values = np.repeat(fit.values(u), blocks, axis=0)
-    given, of_law = {}, {}
-    for parameter, own in zip(fit.parameters, values.T, strict=True):
+    fixed, of_law = {}, {}
+    for parameter, samples in zip(fit.parameters, values.T, strict=True):
         if parameter.key.startswith(CONTACTS):
             column = parameter.column
-            of_law[column.field] = column.factor * own
+            of_law[column.field] = column.factor * samples
         else:
-            given[parameter.key] = own
-    _, release, ground = fit.slope.sample(len(values), seed, given)
+            fixed[parameter.key] = samples
+    _, release, ground = fit.slope.sample(len(values), seed, fixed)
     profile = fit.slope.layout.profile
     contacts: Any = fit.slope.laws[0].contacts
     if of_law:

@@ -90,8 +90,8 @@ def search(fit: SlopeFit, store: Store | None) -> Searched:
                 store=store,
                 what=f"data sets of round {number + 1}",
             )
-            found = simulated_summaries(fit.observed, outcomes, fit.places, number)
-            u, summaries = np.vstack([u, new]), np.vstack([summaries, found])
+            simulated = simulated_summaries(fit.observed, outcomes, fit.places, number)
+            u, summaries = np.vstack([u, new]), np.vstack([summaries, simulated])
         valid = np.all(np.isfinite(summaries), axis=1)
         inside = region.holds(u) & valid
         if (enough := int(np.sum(inside))) < 100:

@@ -134,12 +134,12 @@ def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predict
 
 
 def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
-    found = simulated_summaries(fit.observed, outcomes, fit.places, STREAM)
-    found = found[np.all(np.isfinite(found), axis=1)]
+    summaries = simulated_summaries(fit.observed, outcomes, fit.places, STREAM)
+    summaries = summaries[np.all(np.isfinite(summaries), axis=1)]
     observed, names = observed_summary(fit.observed), summary_names(fit.observed)
-    if len(found) < 2:
+    if len(summaries) < 2:
         return ModelCheck(0.0, names[0], np.inf)
-    mean, spread = np.mean(found, axis=0), np.std(found, axis=0)
+    mean, spread = np.mean(summaries, axis=0), np.std(summaries, axis=0)
 
     def deviations(summary: np.ndarray) -> np.ndarray:
         apart = np.abs(summary - mean)
@@ -148,9 +148,9 @@ def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(same, 0.0, apart / spread)
 
-    ours, theirs = deviations(observed), np.max(deviations(found), axis=1)
+    ours, theirs = deviations(observed), np.max(deviations(summaries), axis=1)
     worst = int(np.argmax(ours))
-    probability = (np.sum(theirs >= ours[worst]) + 1.0) / (len(found) + 1.0)
+    probability = (np.sum(theirs >= ours[worst]) + 1.0) / (len(summaries) + 1.0)
     return ModelCheck(float(probability), names[worst], float(ours[worst]))
 
 

@@ -158,7 +158,7 @@ def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[SlopeParamet
     priors = typed(top[FIT], fit, CONTACTS, dict)
     del fit[CONTACTS]
     table = typed(top, merged, CONTACTS, dict, {})
-    columns, found = columns_of_law(top, table), []
+    columns, parameters = columns_of_law(top, table), []
     if not columns:
         raise top[FIT][CONTACTS].error(
             "is for a law in closed form, with parameters of its own"
@@ -166,9 +166,9 @@ def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[SlopeParamet
     for name, value in priors.items():
         if name not in columns:
             raise unknown(top[FIT][CONTACTS], name, columns)
-        found.append(_parameter(top, f"{CONTACTS}.{name}", value, columns[name]))
-        table[name] = float(found[-1].prior.values(ENDS)[1])
-    return found
+        parameters.append(_parameter(top, f"{CONTACTS}.{name}", value, columns[name]))
+        table[name] = float(parameters[-1].prior.values(ENDS)[1])
+    return parameters
 
 
 def _read_parameters(
@@ -176,13 +176,13 @@ def _read_parameters(
 ) -> tuple[SlopeParameter, ...]:
     """Read the priors; InputError for names that are unknown and for what is no
     prior."""
-    columns, found = ground_columns(soil), []
+    columns, parameters = ground_columns(soil), []
     for name, value in fit.items():
         if name not in PARTS:
             if name not in columns:
                 known = (*columns, *PARTS, CONTACTS, "data_sets")
                 raise unknown(top[FIT], name, known)
-            found.append(_parameter(top, f"ground.{name}", value, columns[name]))
+            parameters.append(_parameter(top, f"ground.{name}", value, columns[name]))
             continue
         for part, quantities in typed(top[FIT], fit, name, dict).items():
             where = top[FIT][name][part]
@@ -194,8 +194,8 @@ def _read_parameters(
                 if inner not in columns:
                     raise unknown(where, inner, columns)
                 key = f"ground.{name}.{part}.{inner}"
-                found.append(_parameter(top, key, prior, columns[inner]))
-    return tuple(found)
+                parameters.append(_parameter(top, key, prior, columns[inner]))
+    return tuple(parameters)
 
 
 def _parameter(top: Key, key: str, value, column: InputColumn) -> SlopeParameter:

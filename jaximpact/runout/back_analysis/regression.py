@@ -121,12 +121,12 @@ def weighted_quantiles(
     values: np.ndarray, weights: np.ndarray, probabilities
 ) -> np.ndarray:
     """Compute quantiles of weighted samples, `(probabilities, parameters)`."""
-    found = []
+    quantiles = []
     for column in values.T:
         order = np.argsort(column)
         middle = np.cumsum(weights[order]) - 0.5 * weights[order]
-        found.append(np.interp(probabilities, middle, column[order]))
-    return np.stack(found, axis=1)
+        quantiles.append(np.interp(probabilities, middle, column[order]))
+    return np.stack(quantiles, axis=1)
 
 
 def ranks_of_left_out(pool: Pool, count: int) -> np.ndarray:

@@ -159,13 +159,13 @@ def _respond(
         if isinstance(contacts, ClosedForm):
             contacts = contacts.at(striking)
         segment = state.blocks.segment[striking].astype(int)
-        found = contacts(
+        responses = contacts(
             select(state.release.block, striking),
             select(state.ground.soil, (striking, segment)),
             impact_of(select(struck, is_impact)),
         )
-        put(response, is_impact, found.response)
-        outcome[is_impact] = found.outcome
+        put(response, is_impact, responses.response)
+        outcome[is_impact] = responses.outcome
     return response, outcome
 
 
@@ -363,9 +363,9 @@ def _travelled(
 
     begun, kinetic = kinetic_of(struck), kinetic_of(after)
     rise_y, up = settled.y - block.body.y, weight * settled.along_y
-    taken = jnp.maximum(begun - kinetic - weight * rise_y, 0.0)
-    ends = up > taken + 1e-9 * begun  # but for rounding
-    most = jnp.where(ends, taken / jnp.where(ends, up, 1.0), 1.0)
+    dissipated = jnp.maximum(begun - kinetic - weight * rise_y, 0.0)
+    ends = up > dissipated + 1e-9 * begun  # but for rounding
+    most = jnp.where(ends, dissipated / jnp.where(ends, up, 1.0), 1.0)
     free = jnp.minimum(free, most)
     lost = weight * jnp.maximum((free - 1.0) * settled.along_y, 0.0)
     left = jnp.maximum(kinetic - lost, 0.0)

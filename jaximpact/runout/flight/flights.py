@@ -225,23 +225,23 @@ def _search(
     if watched is None:
         # A name of its own, so that the table lives as long as the search.
         until, covers = left, profile.covers
-        found = first_contact(now, outline, address_of(covers), size, until)
-        segments = found.number.astype(int)
+        contact = first_contact(now, outline, address_of(covers), size, until)
+        segments = contact.number.astype(int)
     else:
         until = np.minimum(watched.until, left)
-        found = search(now, outline, watched.pieces, size, until)
-        place = found.number.astype(int)
+        contact = search(now, outline, watched.pieces, size, until)
+        place = contact.number.astype(int)
         segments = watched.segments[np.arange(len(lanes)), place]
-    touched = found.touched > 0.0
-    ends.failed[lanes] = found.given_up > 0.0
+    touched = contact.touched > 0.0
+    ends.failed[lanes] = contact.given_up > 0.0
     # Where the search came to its limit, time must come to it too.
-    to_limit = ~touched & (until == left) & (found.time >= until)
-    ends.time[lanes] = np.where(to_limit, limit[lanes], ends.time[lanes] + found.time)
+    to_limit = ~touched & (until == left) & (contact.time >= until)
+    ends.time[lanes] = np.where(to_limit, limit[lanes], ends.time[lanes] + contact.time)
     ends.touched[lanes] = touched
     ends.segment[lanes] = np.where(touched, segments, -1)
-    ends.normal_x[lanes] = np.where(touched, found.normal_x, 0.0)
-    ends.normal_y[lanes] = np.where(touched, found.normal_y, 0.0)
-    ends.gap[lanes] = np.where(touched, found.gap, 0.0)
+    ends.normal_x[lanes] = np.where(touched, contact.normal_x, 0.0)
+    ends.normal_y[lanes] = np.where(touched, contact.normal_y, 0.0)
+    ends.gap[lanes] = np.where(touched, contact.gap, 0.0)
 
 
 def fly_on(state: RunState, lanes: np.ndarray) -> None:

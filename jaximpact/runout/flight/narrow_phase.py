@@ -103,7 +103,7 @@ def gaps(body: Body, outline: BlockOutline, axis, piece: Piece) -> list[Gap]:
     t_x, t_y = width / length, rise / length
     left, right = (piece.left_x, piece.left_y), (piece.right_x, piece.right_y)
     has_no_faces = outline.shape.largest_bending(outline.axes) is not None
-    found = [gap_along(body, outline, axis, (-t_y, t_x), left)]
+    candidates = [gap_along(body, outline, axis, (-t_y, t_x), left)]
     for side, point in ((-1.0, left), (1.0, right)):
         n_x, n_y = normal_through(body, outline, axis, point)
         down = n_y < 0.0
@@ -111,8 +111,8 @@ def gaps(body: Body, outline: BlockOutline, axis, piece: Piece) -> list[Gap]:
         touches = None if has_no_faces else ~down
         gap = gap_along(body, outline, axis, (n_x, n_y), point, touches)
         holds = side * (n_x * t_x + n_y * t_y) >= 0.0
-        found.append(gap._replace(width=jnp.where(holds, gap.width, -jnp.inf)))
-    return found
+        candidates.append(gap._replace(width=jnp.where(holds, gap.width, -jnp.inf)))
+    return candidates
 
 
 def normal_through(body: Body, outline: BlockOutline, axis, point):

@@ -53,8 +53,8 @@ def check_release(release: Release, profile: Profile) -> None:
         lane, i = lane[near], segment[near]
         piece = Piece(x[i], y[i], x[i + 1], y[i + 1])
         here = select((body, outline), lane)
-        found = shape_by_shape(lambda here, piece: _depths(*here, piece), here, piece)
-        np.maximum.at(depth, lane, found)
+        depths = shape_by_shape(lambda here, piece: _depths(*here, piece), here, piece)
+        np.maximum.at(depth, lane, depths)
     buried = depth > 1e-6 * outline.smallest  # more than rounding
     if np.any(buried):
         i = int(np.argmax(buried))

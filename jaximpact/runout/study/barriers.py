@@ -247,7 +247,7 @@ def _share(counts: np.ndarray, blocks: np.ndarray) -> Estimate:
 def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
     """Estimate shares and design values at the barriers of a result; none where it has
     none."""
-    counted, found = dataset.ending.values != str(Ending.failed), []
+    counted, at_barriers = dataset.ending.values != str(Ending.failed), []
     for name in dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []:
         here = dataset.sel(barrier=name)
         numbers = (here.barrier_x_m, here.barrier_height_m, here.barrier_capacity_J)
@@ -256,33 +256,33 @@ def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
             for variable, *_ in DESIGN_QUANTITIES.values()
         }
         barrier = Barrier(name, *map(float, numbers))
-        found.append(estimates_at(barrier, counted[None], passages))
-    return found
+        at_barriers.append(estimates_at(barrier, counted[None], passages))
+    return at_barriers
 
 
-def estimate_table(found: Sequence[BarrierEstimates]) -> Table:
+def estimate_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """List all estimates, for barriers.csv."""
     columns = ("barrier", *KEYS[1:], "quantity", *Estimate._fields)
     rows = [
         (*of.place, quantity, *estimate)
-        for of in found
+        for of in at_barriers
         for quantity, estimate in of.estimates.items()
     ]
     return Table(columns, rows)
 
 
-def barriers_in_json(found: Sequence[BarrierEstimates]) -> list[dict]:
+def barriers_in_json(at_barriers: Sequence[BarrierEstimates]) -> list[dict]:
     """Describe the barriers with their estimates, None for what is not known."""
     return [
         dict(zip(KEYS, of.place, strict=True)) | {"estimates": plain(of.estimates)}
-        for of in found
+        for of in at_barriers
     ]
 
 
-def effect_table(found: Sequence[BarrierEstimates]) -> Table:
+def effect_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """Write what becomes of blocks at each barrier."""
     rows = []
-    for of in found:
+    for of in at_barriers:
         first = of.place
         for word, quantity in EFFECT_WORDS.items():
             estimate = of.estimates[f"share_{quantity}"]
@@ -296,10 +296,10 @@ def effect_table(found: Sequence[BarrierEstimates]) -> Table:
     return Table((*columns, "", "blocks", "share", "interval"), rows)
 
 
-def design_table(found: Sequence[BarrierEstimates]) -> Table:
+def design_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """Write the design values at each barrier."""
     rows = []
-    for barrier, estimates in found:
+    for barrier, estimates in at_barriers:
         first = (barrier.name, estimates["share_arriving"].count)
         for name, (_, unit, *_) in DESIGN_QUANTITIES.items():
             cells = []
@@ -313,10 +313,10 @@ def design_table(found: Sequence[BarrierEstimates]) -> Table:
     return Table(("barrier", "blocks", "", "unit", *heads), rows)
 
 
-def too_few(found: Sequence[BarrierEstimates]) -> list[str]:
+def too_few(at_barriers: Sequence[BarrierEstimates]) -> list[str]:
     """Say at which barriers of a study there are too few blocks for an interval."""
     lines = []
-    for barrier, estimates in found:
+    for barrier, estimates in at_barriers:
         count = estimates["share_arriving"].count or 0
         short = [p for p in DESIGN_PERCENTILES if count < least_blocks(p)]
         if short:

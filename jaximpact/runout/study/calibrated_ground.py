@@ -50,11 +50,11 @@ class Calibrated(NamedTuple):
     `(parameters,)`; 0 for one that does not differ by group."""
 
     def draw(
-        self, given: Mapping[str, np.ndarray], count: int, seed: int
+        self, said: Mapping[str, np.ndarray], count: int, seed: int
     ) -> dict[str, np.ndarray]:
         """Sample the parameters that are not given, `(count,)` each as the given ones;
         block i gets the same whatever the count."""
-        is_given = np.array([name in given for name in self.names], bool)
+        is_given = np.array([name in said for name in self.names], bool)
         others, fixed = np.flatnonzero(~is_given), np.flatnonzero(is_given)
         if not len(others):
             return {}
@@ -69,7 +69,7 @@ class Calibrated(NamedTuple):
         if len(fixed):
             values = self.bounds.parameter(x)
             for i in fixed:
-                values[:, i] = given[self.names[i]]
+                values[:, i] = said[self.names[i]]
                 self._check(int(i), values[:, i])
             covariance = np.cov(self.samples.T, aweights=self.weights, ddof=0)
             covariance = np.atleast_2d(covariance) + np.diag(self.group_sd**2)

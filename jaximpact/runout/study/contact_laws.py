@@ -101,14 +101,17 @@ def _closed_form(
     columns = {column.name: column for column in own_columns(kind)}
     check_keys(key, table, ("law", "name", *columns))
     values = {}
-    for own, column in columns.items():
-        if own in table:
-            values[own] = allowed(key[own], column, table[own])
+    for parameter, column in columns.items():
+        if parameter in table:
+            values[parameter] = allowed(key[parameter], column, table[parameter])
         elif math.isnan(column.default):
-            raise key[own].error(f"is needed by the law {law}")
+            raise key[parameter].error(f"is needed by the law {law}")
         else:
-            values[own] = column.default
-    fields = {columns[own].field: columns[own].factor * v for own, v in values.items()}
+            values[parameter] = column.default
+    fields = {
+        columns[parameter].field: columns[parameter].factor * v
+        for parameter, v in values.items()
+    }
     described, checksums = {"law": law} | values, {}
     if law not in CLOSED_FORMS:
         described["class"] = name_of(kind)

@@ -116,8 +116,8 @@ class GroundInput(NamedTuple):
         parts: dict[str, GroundPart] = {}
         for kind, read in (("segment", _segment), ("materials", _material)):
             for name, values in typed(key, table, kind, dict, {}).items():
-                parts[f"{kind}.{name}"], own = read(key[kind], name, values, soil)
-                quantities |= own
+                parts[f"{kind}.{name}"], of_part = read(key[kind], name, values, soil)
+                quantities |= of_part
         return cls(path, soil, quantities, parts, calibrated)
 
     def sampled_jointly(self) -> dict[str, str]:
@@ -132,13 +132,13 @@ class GroundInput(NamedTuple):
         """Sample these parameters, `(count,)` by key, given the samples of `varied`."""
         if self.calibrated is None or not self.sampled_jointly():
             return {}
-        given = {}
+        said = {}
         for name in self.calibrated.names:
             if (value := self.quantities.get(f"ground.{name}")) is not None:
                 sampled = samples.get(f"ground.{name}")
                 # Without samples a number: fields are refused beside a calibration.
-                given[name] = np.full(count, value) if sampled is None else sampled
-        drawn = self.calibrated.draw(given, count, seed)
+                said[name] = np.full(count, value) if sampled is None else sampled
+        drawn = self.calibrated.draw(said, count, seed)
         return {f"ground.{name}": values for name, values in drawn.items()}
 
     def alike(self) -> Iterator[tuple[str, str, float]]:

@@ -131,14 +131,14 @@ def percentile_interval_over_grounds(
         return percentile_interval(grounds[0], percent)
     if not grounds:
         return np.nan, np.nan
-    values = np.concatenate([np.sort(own) for own in grounds])
+    values = np.concatenate([np.sort(ground) for ground in grounds])
     order = np.argsort(values, kind="stable")
     values, below, up_to = values[order], [], []
-    for own in grounds:
-        cumulative = _cumulative(len(own), percent)
+    for ground in grounds:
+        cumulative = _cumulative(len(ground), percent)
         below.append(np.diff(cumulative))
         up_to.append(np.diff(cumulative[:-1], prepend=0.0))
-    first = sum(_cumulative(len(own), percent)[0] for own in grounds)
+    first = sum(_cumulative(len(ground), percent)[0] for ground in grounds)
     rises = np.concatenate(below)[order]
     before = (first + np.cumsum(rises) - rises) / len(grounds)
     after = np.cumsum(np.concatenate(up_to)[order]) / len(grounds)

@@ -226,10 +226,10 @@ def kept_ranks(count: int, most: int) -> list[int]:
 def _percentiles(values: np.ndarray) -> list[list[float | None]]:
     if not len(values):
         return [[None, None, None] for _ in PERCENTILES]
-    found = np.percentile(values, PERCENTILES)
+    percentiles = np.percentile(values, PERCENTILES)
     return [
         [_short(v), *map(_short, percentile_interval(values, percent))]
-        for v, percent in zip(found, PERCENTILES, strict=True)
+        for v, percent in zip(percentiles, PERCENTILES, strict=True)
     ]
 
 

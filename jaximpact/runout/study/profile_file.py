@@ -164,15 +164,15 @@ def read_map_placement(path: Path, content: dict) -> MapPlacement | None:
     cannot be used.
     """
     table = content.get("profile", {})
-    given = [key for key in MAP_KEYS if key in table]
-    if not given:
+    present = [key for key in MAP_KEYS if key in table]
+    if not present:
         return None
     key = Key(path)["profile"]
     for package in GIS:
         needed(package, "profile.crs", "maps")
     for name in MAP_KEYS:
         if name not in table:
-            raise key[name].error(f"is needed beside {given[0]}")
+            raise key[name].error(f"is needed beside {present[0]}")
     origin = key["origin"]
     pair = typed(key, table, "origin", list)
     if len(pair) != 2:
@@ -243,12 +243,14 @@ def degrees_from(code: int) -> Callable:
     cost up to some metres in old national systems.
     """
     pyproj = needed("pyproj", "profile.crs", "maps")
-    found = pyproj.Transformer.from_crs(code, LONGITUDE_AND_LATITUDE, always_xy=True)
-    return found.transform
+    transformer = pyproj.Transformer.from_crs(
+        code, LONGITUDE_AND_LATITUDE, always_xy=True
+    )
+    return transformer.transform
 
 
-def _crs(key: Key, given) -> str:
-    crs = of_kind(key, given, str)
+def _crs(key: Key, value) -> str:
+    crs = of_kind(key, value, str)
     if not re.fullmatch(r"EPSG:[1-9][0-9]{3,5}", crs):
         raise key.error(f'must be a code such as "EPSG:2056", but is {crs!r}')
     pyproj = needed("pyproj", "profile.crs", "maps")

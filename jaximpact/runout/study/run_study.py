@@ -243,7 +243,7 @@ def _run_elsewhere(
     run_tasks(
         executor,
         (Task(_rows_of, _part_of(study, portion)) for portion in portions),
-        lambda number, found: collector.take(portions[number], found),
+        lambda number, rows: collector.take(portions[number], rows),
     )
 
 
@@ -412,9 +412,9 @@ def _ground_of(study: SlopeStudy) -> Variables:
 
 def _percentiles(values: np.ndarray, of: tuple[int, ...] = PERCENTILES) -> np.ndarray:
     """Compute percentiles over the finite blocks, `(of, places)`; NaN without any."""
-    found = np.full((len(of), values.shape[1]), np.nan)
+    percentiles = np.full((len(of), values.shape[1]), np.nan)
     for place, column in enumerate(values.T):
         finite = column[np.isfinite(column)]
         if len(finite):
-            found[:, place] = np.percentile(finite, of)
-    return found
+            percentiles[:, place] = np.percentile(finite, of)
+    return percentiles

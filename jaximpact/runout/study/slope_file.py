@@ -143,7 +143,7 @@ class SlopeInput(NamedTuple):
         return self.ground.varied() | self.blocks.quantities | self.start
 
     def sample(
-        self, count: int, seed: int, given: Mapping[str, np.ndarray] | None = None
+        self, count: int, seed: int, fixed: Mapping[str, np.ndarray] | None = None
     ) -> tuple[dict[str, np.ndarray], Release, Ground]:
         """Sample blocks with their releases and their ground.
 
@@ -154,9 +154,9 @@ class SlopeInput(NamedTuple):
 
         Raises InputError, naming file and key, for samples out of range.
         """
-        profile, given = self.layout.profile, given or {}
-        rest = {k: q for k, q in self.quantities.items() if k not in given}
-        samples = draw(rest, count, seed) | dict(given)
+        profile, fixed = self.layout.profile, fixed or {}
+        rest = {k: q for k, q in self.quantities.items() if k not in fixed}
+        samples = draw(rest, count, seed) | dict(fixed)
         samples |= self.ground.sample_jointly(samples, count, seed)
         top = Key(self.path)
         check_memory(
