@@ -146,7 +146,9 @@ def read_observed(
             "random, are used, so that intervals are those of so many"
         )
         released = max(MOST_BLOCKS, *(channel.blocks for channel in channels))
-    sigma = _sigma(key, table)
+    errors, at = typed(key, table, "sigma", dict, {}), key["sigma"]
+    check_keys(at, errors, (STOP_COLUMN, *PASSAGE_COLUMNS))
+    sigma = {name: number(at[name], of, least=0.0) for name, of in errors.items()}
     for remark in remarks:
         warnings.warn(f"{path}: {remark}", stacklevel=2)
     return Observations(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
@@ -271,9 +273,3 @@ def _counts(key: Key, table: dict, profile: Profile) -> list[ObservedCount]:
         passed = whole(where, entry, "passed", 0, 0, blocks)
         counts.append(ObservedCount(x, passed, blocks))
     return counts
-
-
-def _sigma(observed: Key, table: dict) -> dict[str, float]:
-    key, sigma = observed["sigma"], typed(observed, table, "sigma", dict, {})
-    check_keys(key, sigma, (STOP_COLUMN, *PASSAGE_COLUMNS))
-    return {name: number(key[name], of, least=0.0) for name, of in sigma.items()}

@@ -33,7 +33,13 @@ def write_report(result: SlopeCalibration, new: NewFile) -> None:
     write_text(new("fit.json"), json_text(as_json(result)))
     names = [p.parameter.name for p in result.posterior.fitted]
     write_text(new("samples.csv"), Table(names, result.posterior.values.tolist()).csv())
-    write_text(new("exceedance.csv"), _exceedance(result).csv())
+    exceedance = [
+        (c.place, c.quantity, *numbers)
+        for c in result.predicted.curves
+        for numbers in zip(c.values, c.share, c.low, c.high, strict=True)
+    ]
+    columns = ("x_m", "quantity", "value", "share", "low", "high")
+    write_text(new("exceedance.csv"), Table(columns, exceedance).csv())
     if barriers := result.predicted.barriers:
         write_text(new(BARRIER_FILE), estimate_table(barriers).csv())
 
@@ -74,19 +80,33 @@ def report(result: SlopeCalibration) -> Document:
         Box("warning", ["Warnings", *warnings]) if warnings else None,
         *channels[:1],
     ]
+    names = [p.parameter.name for p in posterior.fitted]
+    correlations = [
+        (name, *(f"{value:.2f}" for value in row))
+        for name, row in zip(names, posterior.correlation, strict=True)
+    ]
     parameters = [
         _parameters(posterior.fitted),
         "Width is that of the 95 % interval as a fraction of the prior's, both as "
         f"probabilities under the prior; from {WIDE:g} on the observations do not "
         "determine a parameter.",
         marginals,
-        ReportSection("Correlation of ranks", [_correlation(result)]),
+        ReportSection(
+            "Correlation of ranks",
+            [Table(("", *names), correlations if len(names) > 1 else [])],
+        ),
     ]
     intervals = [
         f"The {posterior.left_out} data sets most like the observed one were each "
         "fitted by the others, as if they had been observed. The table says how many "
         "of their true parameters lie in the intervals.",
-        _coverage(posterior.fitted),
+        Table(
+            ("parameter", "in the 68 % interval", "in the 95 % interval"),
+            [
+                (p.parameter.name, f"{p.coverage_68:.0%}", f"{p.coverage_95:.0%}")
+                for p in posterior.fitted
+            ],
+        ),
     ]
     sections = [
         ReportSection("Parameters", parameters),
@@ -150,15 +170,6 @@ def _parameters(fitted: tuple[FittedParameter, ...]) -> Table:
     ]
     columns = ("parameter", "median", "95 % interval", "prior, 95 %", "width")
     return Table((*columns, "verdict"), rows)
-
-
-def _correlation(result: SlopeCalibration) -> Table:
-    names = [p.parameter.name for p in result.posterior.fitted]
-    rows = [
-        (name, *(f"{value:.2f}" for value in row))
-        for name, row in zip(names, result.posterior.correlation, strict=True)
-    ]
-    return Table(("", *names), rows if len(names) > 1 else [])
 
 
 def _check(result: SlopeCalibration) -> str:
@@ -230,14 +241,6 @@ def _curves(result: SlopeCalibration) -> list[Part]:
         Table(("place", "quantity", *heads), rows),
         pictures,
     ]
-
-
-def _coverage(fitted: tuple[FittedParameter, ...]) -> Table:
-    rows = [
-        (p.parameter.name, f"{p.coverage_68:.0%}", f"{p.coverage_95:.0%}")
-        for p in fitted
-    ]
-    return Table(("parameter", "in the 68 % interval", "in the 95 % interval"), rows)
 
 
 def _how(result: SlopeCalibration) -> list[str]:
@@ -325,12 +328,3 @@ def as_json(result: SlopeCalibration) -> dict:
         "warnings": warnings_of(result),
         "manifest": manifest,
     }
-
-
-def _exceedance(result: SlopeCalibration) -> Table:
-    rows = [
-        (c.place, c.quantity, *numbers)
-        for c in result.predicted.curves
-        for numbers in zip(c.values, c.share, c.low, c.high, strict=True)
-    ]
-    return Table(("x_m", "quantity", "value", "share", "low", "high"), rows)

@@ -83,17 +83,11 @@ class ClosedForm:
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
         after = _rebound(self.law, block, impact)
-        return ImpactResponses(_without_duration(after), _outcome_of(after))
-
-
-def _without_duration(after: Rebound) -> ImpactResponse:
-    nothing = np.zeros_like(after.normal_velocity)
-    return ImpactResponse(*after, duration=nothing, rotation=nothing, sinking=nothing)
-
-
-def _outcome_of(after: Rebound) -> np.ndarray:
-    finite = np.logical_and.reduce([np.isfinite(values) for values in after])
-    return np.where(finite, int(Outcome.detached), int(Outcome.failed))
+        zero = np.zeros_like(after.normal_velocity)
+        response = ImpactResponse(*after, duration=zero, rotation=zero, sinking=zero)
+        finite = np.all(np.isfinite(after), axis=0)
+        outcome = np.where(finite, int(Outcome.detached), int(Outcome.failed))
+        return ImpactResponses(response, outcome)
 
 
 @closed_form

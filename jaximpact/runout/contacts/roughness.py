@@ -31,7 +31,7 @@ from ..state import BlockConstants, RunState
 from .plane_contact import Continuation, PlaneContact, PostImpact, Touch, touch_facet
 
 CUT = 3.0
-"""Number of standard deviations at which the distribution is truncated."""
+"""Number of standard deviations at which the distribution of angles is truncated."""
 
 
 def strike_facets(
@@ -54,6 +54,7 @@ def strike_facets(
     turned = np.zeros(len(lanes))
     open_yet = np.flatnonzero(rough)
     key = key_of(state.seed, "roughness")
+    low, high = ndtr(-CUT), ndtr(CUT)
     # Nearly half of all facets face even a block that grazes the ground: one that finds
     # none of 32 strikes the segment.
     for attempt in range(32):
@@ -64,7 +65,7 @@ def strike_facets(
         uniform = uniforms_at(
             [block.impacts[blocks], attempt, number & 0xFFFFFFFF, number >> 32], key
         )
-        turn = deviation[open_yet] * _truncated_normal(uniform)
+        turn = deviation[open_yet] * ndtri(low + (high - low) * uniform)
         facet = touch_facet(
             *select((block, state.constants), blocks), slope[open_yet], turn
         )
@@ -76,12 +77,6 @@ def strike_facets(
         turned[open_yet[good]] = turn[good]
         open_yet = open_yet[~good]
     return turned
-
-
-def _truncated_normal(uniform: np.ndarray) -> np.ndarray:
-    """Transform uniform numbers to standard normal ones between -CUT and CUT."""
-    low, high = ndtr(-CUT), ndtr(CUT)
-    return ndtri(low + (high - low) * uniform)
 
 
 def lift_off_facet(

@@ -186,6 +186,8 @@ def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeIn
     checksums: dict[Path, str] = {}
     ground = GroundInput.read(path, content)
     layout = read_ground_profile(path, content, ground, checksums)
+    time = content.get("time_limit_s", TIME_LIMIT)
+    hop_threshold = content.get("hop_threshold", HOP_THRESHOLD)
     return SlopeInput(
         path=path,
         checksums=checksums,
@@ -193,7 +195,11 @@ def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeIn
         layout=layout,
         laws=read_laws(path, content, accuracy),
         seed=whole(top, content, "seed", 0, 0),
-        limits=_limits(top, content),
+        limits=Limits(
+            number(top["time_limit_s"], time, above=0.0, unit="s"),
+            whole(top, content, "event_limit", EVENT_LIMIT, 1),
+            number(top["hop_threshold"], hop_threshold, least=0.0),
+        ),
         blocks=read_blocks(path, content),
         start=read_release(path, content, layout.profile),
     )
@@ -275,16 +281,6 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         )
         for law in slope.laws
     ]
-
-
-def _limits(top: Key, content: dict) -> Limits:
-    time = content.get("time_limit_s", TIME_LIMIT)
-    threshold = content.get("hop_threshold", HOP_THRESHOLD)
-    return Limits(
-        number(top["time_limit_s"], time, above=0.0, unit="s"),
-        whole(top, content, "event_limit", EVENT_LIMIT, 1),
-        number(top["hop_threshold"], threshold, least=0.0),
-    )
 
 
 def _count(top: Key, content: dict, slope: SlopeInput, by_chance: bool) -> int:
