@@ -33,7 +33,7 @@ from jaximpact.integrator.diffrax_solvers import usable_solver
 from jaximpact.integrator.rosenbrock import ORDER, Rodas5P
 from jaximpact.integrator.single import (
     TERMS,
-    Course,
+    SolverState,
     advance,
     diffrax_arguments,
     end_of,
@@ -298,7 +298,7 @@ def test_contact_in_closed_form_in_machine_code():
         def lane(stiffness, damping):
             problem = KelvinVoigt(stiffness, damping, TIGHT)
             start = problem.start
-            course = Course(start, start_fold(problem, start))
+            course = SolverState(start, start_fold(problem, start))
             zero = jnp.zeros_like(stiffness)
             until, control = step_size_controller().init(
                 TERMS, zero, TIME_LIMIT, course, None, problem, None, ORDER
