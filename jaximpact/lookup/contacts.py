@@ -120,9 +120,9 @@ class Tabulated:
 class _Pair(NamedTuple):
     """Block on a ground."""
 
-    structure: Any  # Shape and laws
+    structure: Any  # shape and laws
     numbers: list
-    chosen: Any  # Places of the lanes that have this shape
+    chosen: Any  # places of the lanes that have this shape
 
     @classmethod
     def of(cls, table: ReboundTable) -> "_Pair":

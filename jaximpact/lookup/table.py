@@ -51,10 +51,9 @@ Numbers = Scalar | np.ndarray
 class Direction(NamedTuple):
     """Coordinates of the velocities of an arriving block."""
 
-    total_speed: Numbers  # Total speed w [m/s]
-    elevation: Numbers
-    """Elevation epsilon [rad]; where it is not positive, the point moves away."""
-    azimuth: Numbers  # Azimuth alpha [rad]
+    total_speed: Numbers  # total speed w [m/s]
+    elevation: Numbers  # epsilon [rad]; not positive where the point moves away
+    azimuth: Numbers  # azimuth alpha [rad]
 
 
 def gravity_speed(block: Block) -> Scalar:

@@ -38,9 +38,9 @@ class TableStudy(NamedTuple):
 
     block: Block
     soil: Soil
-    accuracy: str  # Name of a preset
-    slopes: np.ndarray  # Slopes of the table [rad]
-    speeds: tuple[float, float]  # First and last total speed of the table [m/s]
+    accuracy: str  # name of a preset
+    slopes: np.ndarray  # slopes of the table [rad]
+    speeds: tuple[float, float]  # first and last total speed of the table [m/s]
     nodes: Nodes
 
 

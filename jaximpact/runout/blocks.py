@@ -27,20 +27,19 @@ from .lane_programs import Values, closed_form
 class Body(NamedTuple):
     """Position and motion of blocks; arrays `(lanes,)`."""
 
-    x: Values  # Centre [m]
+    x: Values  # centre [m]
     y: Values
-    v_x: Values  # Velocity of the centre [m/s]
+    v_x: Values  # velocity of the centre [m/s]
     v_y: Values
-    orientation: Values  # Angle phi [rad]
+    orientation: Values  # angle phi [rad]
     angular_velocity: Values  # Omega [rad/s], clockwise positive
 
 
 class MassProperties(NamedTuple):
     """Mass and moment of inertia of blocks."""
 
-    mass: Values  # Mass [kg]
-    inertia: Values
-    """Moment of inertia about the out-of-plane axis through the centre [kg m2]."""
+    mass: Values  # mass [kg]
+    inertia: Values  # about the out-of-plane axis through the centre [kg m2]
 
 
 class BlockOutline(NamedTuple):
@@ -48,11 +47,8 @@ class BlockOutline(NamedTuple):
 
     shape: AbstractShape
     axes: SemiAxes
-    largest: Values
-    """Radius of the circumscribed circle [m]; for an ellipse the larger semi-axis."""
-    smallest: Values
-    """Height of the centre of a block lying on its flat side [m]: the smaller
-    semi-axis."""
+    largest: Values  # radius of the circumscribed circle [m]
+    smallest: Values  # height of the centre above the flat side [m]
 
     @property
     def heave(self) -> Values:
@@ -100,8 +96,7 @@ class Support(NamedTuple):
     """Extent of the block against a direction N."""
 
     radius: Values  # r_y [m], distance from the centre to the lowest point, against N
-    arm: Values
-    """T = dr_y/dTheta [m], distance from the centre to the lowest point, along t."""
+    arm: Values  # T = dr_y/dTheta [m], from the centre to the lowest point
 
 
 def support(outline: BlockOutline, sin: Values, cos: Values) -> Support:

@@ -36,21 +36,19 @@ class Elements(NamedTuple):
     right come to them; arrays of any shape."""
 
     is_segment: np.ndarray
-    x: np.ndarray  # The point, or the start of the segment [m]
+    x: np.ndarray  # the point, or the start of the segment [m]
     y: np.ndarray
     end_x: np.ndarray  # x of the point, or of the end of the segment [m]
-    normal_x: np.ndarray
-    """Normal of the segment, out of the ground; of a point not used."""
+    normal_x: np.ndarray  # of the segment, out of the ground; of a point unused
     normal_y: np.ndarray
-    length: np.ndarray  # Length of the segment [m]; 0 of a point
+    length: np.ndarray  # length of the segment [m]; 0 of a point
     behind: np.ndarray
     """Number of the profile's segment behind a point, or of the first of an element's
     segments."""
     ahead: np.ndarray
     """Number of the profile's segment ahead of a point, or of the last of an element's
     segments."""
-    shorter: np.ndarray
-    """Length of the shorter of the straight lines beside a point [m]."""
+    shorter: np.ndarray  # of the straight lines beside a point, its length [m]
     on_curve: np.ndarray
     """True of a point of a curve: both points beside it bend the same way, by at least
     half as much."""
@@ -64,39 +62,31 @@ class Ahead(NamedTuple):
     """Elements that blocks pass next, arrays `(blocks, elements)`, the first being the
     one that they touch; x is mirrored for blocks that move to the left."""
 
-    element: np.ndarray  # Places of the elements in `CentrePath.elements`
-    next_element: np.ndarray  # Places of those behind them
-    exists: np.ndarray  # True where there is one behind, as far as was looked
-    start_x: np.ndarray  # Centre of the block as it comes to touch the element [m]
+    element: np.ndarray  # places of the elements in `CentrePath.elements`
+    next_element: np.ndarray  # places of those behind them
+    exists: np.ndarray  # true where there is one behind, as far as was looked
+    start_x: np.ndarray  # centre of the block as it comes to touch the element [m]
     start_y: np.ndarray
-    stop_x: np.ndarray  # Centre as it comes to touch the next one [m]
+    stop_x: np.ndarray  # centre as it comes to touch the next one [m]
     stop_y: np.ndarray
-    start_normal_x: np.ndarray
-    """Normal of the path at the start, from the ground to the centre."""
+    start_normal_x: np.ndarray  # of the path, from the ground to the centre
     start_normal_y: np.ndarray
     stop_normal_x: np.ndarray
     stop_normal_y: np.ndarray
-    next_normal_x: np.ndarray
-    """Normal of the path behind that place, on the next element."""
+    next_normal_x: np.ndarray  # of the path behind that place, on the next element
     next_normal_y: np.ndarray
     is_segment: np.ndarray
-    is_whole: np.ndarray
-    """True for a segment and for the whole arc about a point; False for a part of an
-    arc."""
+    is_whole: np.ndarray  # false for a part of an arc about a point
 
 
 @dataclasses.dataclass(frozen=True)
 class CentrePath:
     """Paths of the centres of round blocks over a profile."""
 
-    elements: Elements
-    """Elements of the profile, and behind them those of its mirror image."""
-    reach: np.ndarray
-    """Largest radius of a circle that touches an element [m], as far as blocks need
-    it."""
+    elements: Elements  # of the profile, and behind them of its mirror image
+    reach: np.ndarray  # largest radius of a circle that touches an element [m]
     points: np.ndarray  # x of the points at which the profile or its ground changes [m]
-    table: np.ndarray
-    """What programs read of the elements, `(elements, columns)`; see `_Column`."""
+    table: np.ndarray  # what programs read of the elements; see `_Column`
 
     @classmethod
     def of(
@@ -357,11 +347,11 @@ def _curves(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 class _Meeting(NamedTuple):
     """Circle that touches an element and a later one."""
 
-    x: Values  # Centre [m]
+    x: Values  # centre [m]
     y: Values
-    normal_x: Values  # Normal of the path there, on the first of them
+    normal_x: Values  # normal of the path there, on the first of them
     normal_y: Values
-    next_normal_x: Values  # Normal of the path there, on the second
+    next_normal_x: Values  # normal of the path there, on the second
     next_normal_y: Values
 
 

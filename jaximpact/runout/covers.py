@@ -26,12 +26,12 @@ ROOT = 1  # row of the cover over the whole profile
 class Cover(NamedTuple):
     """Node of the tree: a segment, or a cover of some; of many, arrays `(nodes,)`."""
 
-    left_x: Values  # Ends of the line [m]
+    left_x: Values  # ends of the line [m]
     left_y: Values
     right_x: Values
     right_y: Values
-    segment: Values  # Number of the segment; -1 for a cover
-    child_to_right: Values  # Row of the first child, for a search to the right
+    segment: Values  # number of the segment; -1 for a cover
+    child_to_right: Values  # row of the first child, for a search to the right
     child_to_left: Values
     next_to_right: Values
     """Row of the node after this one and all below it, for a search to the right."""

@@ -42,7 +42,7 @@ class Line(NamedTuple):
 
     points: np.ndarray  # x and y [m], `(points, 2)`
     layer: str
-    block: str  # Name of the block that it is drawn in, "" for none
+    block: str  # name of the block that it is drawn in, "" for none
 
 
 def read_dxf_points(

@@ -160,9 +160,9 @@ class _ByXla:
 class _Plan(NamedTuple):
     """Part of a function that has to be computed, for inputs of one structure."""
 
-    used: list[int]  # Places of the inputs that matter among the leaves
-    passed: list[int | None]  # Place, for each result, of the input that it is, or None
-    results: Any  # Template of the results
+    used: list[int]  # places of the inputs that matter among the leaves
+    passed: list[int | None]  # place, for each result, of the input that it is, or None
+    results: Any  # template of the results
     code: Code | None = None
     """Computes the results that are not inputs, from the inputs that matter; None where
     there are none, or no machine code."""

@@ -26,9 +26,8 @@ class ProfileTable(NamedTuple):
     """Profile as its CSV file has it."""
 
     profile: Profile
-    quantities: tuple[str, ...]  # Quantities of the ground that have a column
-    materials: tuple[str, ...] | None
-    """Material of each segment; None without a column of materials."""
+    quantities: tuple[str, ...]  # quantities of the ground that have a column
+    materials: tuple[str, ...] | None  # of each segment, if there is a column
 
 
 @numpy_settings()

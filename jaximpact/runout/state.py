@@ -71,25 +71,24 @@ class BlockState(NamedTuple):
     """State of one block, or of many, arrays `(blocks,)`; codes and numbers are
     floats."""
 
-    time: Values  # Time since release [s]
+    time: Values  # time since release [s]
     body: Body
     """Position and motion at `time`; on the ground the velocities are those of the
     last flight."""
-    phase: Values  # Code of `Phase`
-    ending: Values  # Code of `Ending`; -1 for a block under way
-    events: Values  # Number of contacts and legs so far
-    impacts: Values  # Number of impacts so far
-    segment: Values  # Segment that the block touches, or touched last; -1 for none
+    phase: Values  # code of `Phase`
+    ending: Values  # code of `Ending`; -1 for a block under way
+    events: Values  # number of contacts and legs so far
+    impacts: Values  # number of impacts so far
+    segment: Values  # segment that the block touches, or touched last; -1 for none
     element: Values
     """Place of what a block on the ground touches in `CentrePath.elements`; -1 where it
     is not known yet."""
     rolls: Values  # 1 for a block that rolls, 0 for one that slides
-    direction: Values
-    """Direction of motion along the ground: 1 to the right, -1 to the left."""
-    speed_squared: Values  # Squared speed along the ground [m2/s2]
-    normal_x: Values  # Normal of the plane that the block touches
+    direction: Values  # of motion along the ground: 1 to the right, -1 to the left
+    speed_squared: Values  # squared speed along the ground [m2/s2]
+    normal_x: Values  # normal of the plane that the block touches
     normal_y: Values
-    gap: Values  # Distance to that plane [m]; negative in the ground
+    gap: Values  # distance to that plane [m]; negative in the ground
 
     @property
     def is_rolling(self) -> Values:
@@ -132,7 +131,7 @@ class BlockConstants(NamedTuple):
 
     outline: BlockOutline
     mass_properties: MassProperties
-    round: RoundBlock  # Round block that rolls in its place
+    round: RoundBlock  # round block that rolls in its place
 
     def centre_height(self, rolls: Values) -> Values:
         """Give the height of the centre over the ground [m]: the round block's radius
@@ -149,9 +148,8 @@ class GroundOfBlocks(NamedTuple):
     """Ground of each block and segment, arrays `(blocks, segments)`."""
 
     soil: Soil
-    rolling_friction: Values  # Tangents of the angles of rolling friction
-    sliding_friction: Values
-    """Tangents of the angles of friction between block and ground."""
+    rolling_friction: Values  # tangents of the angles of rolling friction
+    sliding_friction: Values  # tangents, between block and ground
 
 
 @closed_form
@@ -175,27 +173,22 @@ class RunState:
 
     profile: Profile
     release: Release
-    path: CentrePath  # Paths of the centres of blocks on the ground
+    path: CentrePath  # paths of the centres of blocks on the ground
     limits: Limits
-    seed: int  # Seed of the facets
-    numbers: np.ndarray  # Block numbers that select the random facets
-    roughness: np.ndarray
-    """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
+    seed: int  # seed of the facets
+    numbers: np.ndarray  # block numbers that select the random facets
+    roughness: np.ndarray  # of facets [rad], `(blocks, segments)`
     blocks: BlockState
     constants: BlockConstants
     ground: GroundOfBlocks
     contacts: Recorder
     pieces: Recorder
-    lookahead: np.ndarray
-    """Number of elements ahead that the next ride of a block on the ground
-    evaluates."""
-    stays_on: np.ndarray
-    """Element that a block on the ground does not leave; -1 for none."""
+    lookahead: np.ndarray  # number of elements that the next ride evaluates
+    stays_on: np.ndarray  # element that a block does not leave; -1 for none
     passed: np.ndarray
     """x, in the mirror of a block that moves to the left, up to which a block on the
     ground passes over corners in a hop [m]."""
-    blocked: np.ndarray
-    """True for a block at rest on the ground that could not go the other way."""
+    blocked: np.ndarray  # at rest on the ground, and could not go the other way
 
     @classmethod
     def at_release(

@@ -257,10 +257,10 @@ class Stretches(NamedTuple):
     $2(X - x_0)/(v + w)$ or $(w - v)/a$, whichever does not cancel.
     """
 
-    piece: np.ndarray  # Number of the piece, from 0
-    start: Values  # Start, from the start of the piece [s]
-    stop: Values  # End, from the start of the piece [s]
-    sign: np.ndarray  # Direction: 1 to the right, -1 to the left, 0 where x stays
+    piece: np.ndarray  # number of the piece, from 0
+    start: Values  # start, from the start of the piece [s]
+    stop: Values  # end, from the start of the piece [s]
+    sign: np.ndarray  # direction: 1 to the right, -1 to the left, 0 where x stays
     x_start: Values  # x at the start [m]
     x_stop: Values  # x at the end [m]
 

@@ -32,10 +32,10 @@ TINY = 1e-12
 class Pool(NamedTuple):
     """Data sets in coordinates in which the posterior is found."""
 
-    z: np.ndarray  # Parameters, mapped to all numbers, `(data sets, parameters)`
-    t: np.ndarray  # Predicted parameters, `(data sets, parameters)`
-    t_observed: np.ndarray  # Parameters predicted from the observation, `(parameters,)`
-    scale: np.ndarray  # Standard deviations of z - t, `(parameters,)`
+    z: np.ndarray  # parameters, mapped to all numbers, `(data sets, parameters)`
+    t: np.ndarray  # predicted parameters, `(data sets, parameters)`
+    t_observed: np.ndarray  # parameters predicted from the observation, `(parameters,)`
+    scale: np.ndarray  # standard deviations of z - t, `(parameters,)`
 
     def distance(self, t: np.ndarray) -> np.ndarray:
         """Compute the distance of each data set from t, `(data sets,)`."""

@@ -264,9 +264,9 @@ class Seen(NamedTuple):
     """Facts of a contact that NumPy finds, outside the programs."""
 
     is_impact: Values  # 1 for an impact, 0 for a touch too slow to be one
-    turn: Values  # Angle of the facet from the segment [rad]; 0 where none is struck
-    outcome: Values  # Code of `Outcome`, or -1 for no impact
-    free: Values  # Fraction of its travel during the contact that the block can make
+    turn: Values  # angle of the facet from the segment [rad]; 0 where none is struck
+    outcome: Values  # code of `Outcome`, or -1 for no impact
+    free: Values  # fraction of its travel during the contact that the block can make
 
 
 @closed_form

@@ -29,14 +29,12 @@ from ..terrain import Profile
 class PlaneContact(NamedTuple):
     """Block that touches a plane, in the frame of the plane."""
 
-    slope: Values  # Angle w of the plane [rad]
-    orientation: Values  # Angle Theta [rad]
-    normal_velocity: Values
-    """Velocity v_n of the centre [m/s], positive into the ground."""
-    tangential_velocity: Values
-    """Velocity v_t of the centre [m/s], along the plane to the right."""
-    angular_velocity: Values  # Angular velocity [rad/s], clockwise positive
-    closing: Values  # Velocity at which the lowest point goes into the ground [m/s]
+    slope: Values  # angle w of the plane [rad]
+    orientation: Values  # angle Theta [rad]
+    normal_velocity: Values  # v_n [m/s], into the ground
+    tangential_velocity: Values  # v_t [m/s], to the right
+    angular_velocity: Values  # angular velocity [rad/s], clockwise positive
+    closing: Values  # velocity at which the lowest point goes into the ground [m/s]
 
 
 def contact_with_plane(
@@ -63,8 +61,8 @@ def contact_with_plane(
 class Touch(NamedTuple):
     """Block that touches the ground."""
 
-    contact: PlaneContact  # Contact in the frame of the plane that the block touches
-    slow: Values  # Least closing speed of an impact [m/s]
+    contact: PlaneContact  # contact in the frame of the plane that the block touches
+    slow: Values  # least closing speed of an impact [m/s]
 
 
 @closed_form
@@ -111,13 +109,13 @@ def impact_of(contact: PlaneContact) -> Impact:
 class PostImpact(NamedTuple):
     """Block after a contact, tangent to the plane again."""
 
-    orientation: Values  # Angle Theta [rad]
-    rise: Values  # Displacement of the centre along N since touch [m]
-    travel: Values  # Displacement of the centre along t since touch [m]
-    normal_velocity: Values  # Velocity v_n of the centre [m/s]
-    tangential_velocity: Values  # Velocity v_t of the centre [m/s]
-    angular_velocity: Values  # Angular velocity [rad/s]
-    leaving: Values  # Velocity at which the lowest point leaves the ground [m/s]
+    orientation: Values  # angle Theta [rad]
+    rise: Values  # displacement of the centre along N since touch [m]
+    travel: Values  # displacement of the centre along t since touch [m]
+    normal_velocity: Values  # velocity v_n of the centre [m/s]
+    tangential_velocity: Values  # velocity v_t of the centre [m/s]
+    angular_velocity: Values  # angular velocity [rad/s]
+    leaving: Values  # velocity at which the lowest point leaves the ground [m/s]
     climbs: Values  # 1 where the block's energy lifts it out of the ground
 
     def scaled(self, fraction: Values) -> "PostImpact":
@@ -133,9 +131,9 @@ class Settled(NamedTuple):
     """Block after a contact, before it travels along the plane."""
 
     after: PostImpact
-    x: Values  # Centre, without the travel [m]
+    x: Values  # centre, without the travel [m]
     y: Values
-    along_x: Values  # Travel along the plane, x and y [m]
+    along_x: Values  # travel along the plane, x and y [m]
     along_y: Values
 
 
@@ -191,15 +189,14 @@ def settle(
 class Continuation(NamedTuple):
     """Motion of a block after its contact, seen from the segment that it touched."""
 
-    x: Values  # Centre [m]
+    x: Values  # centre [m]
     y: Values
-    orientation: Values  # Angle Theta from the segment [rad]
-    tangential_velocity: Values  # Velocity along the segment [m/s]
-    over: Values
-    """Height above the segment [m]; more than 0 only after a facet was struck."""
-    rising: Values  # Velocity of the centre out of the segment [m/s]
-    leaves: Values  # True for a block whose lowest point leaves the ground
-    stuck: Values  # True for a block that lacks the energy to climb out of the ground
+    orientation: Values  # angle Theta from the segment [rad]
+    tangential_velocity: Values  # velocity along the segment [m/s]
+    over: Values  # height above the segment [m]; above 0 only after a facet
+    rising: Values  # velocity of the centre out of the segment [m/s]
+    leaves: Values  # true for a block whose lowest point leaves the ground
+    stuck: Values  # true for a block that lacks the energy to climb out of the ground
 
 
 def on_footprint(

@@ -32,10 +32,9 @@ FEW = 64
 class NearSegments(NamedTuple):
     """Segments that a search has to watch."""
 
-    pieces: tuple[Piece, ...]  # Ends of the segments, each an array `(lanes,)`
-    segments: np.ndarray
-    """Numbers of the segments, `(lanes, pieces)`; -1 where there is none."""
-    until: np.ndarray  # Time from which other segments might be reached [s], `(lanes,)`
+    pieces: tuple[Piece, ...]  # ends of the segments, each an array `(lanes,)`
+    segments: np.ndarray  # numbers, `(lanes, pieces)`; -1 for none
+    until: np.ndarray  # time from which other segments might be reached [s], `(lanes,)`
 
 
 def watched_segments(
@@ -129,15 +128,14 @@ class FlightEnd(NamedTuple):
     """End of a flight, as the search finds it; of many, arrays `(lanes,)`. In programs
     truths are 1 and 0."""
 
-    time: Values  # Duration of the flight [s]
-    touched: Values  # True where the block touches the ground
-    left: Values  # True where the centre passes an end of the profile
-    failed: Values  # True where the search was given up
-    segment: Values  # Number of the segment touched, else -1
-    normal_x: Values  # Normal out of the ground at the contact; 0 for none
+    time: Values  # duration of the flight [s]
+    touched: Values  # true where the block touches the ground
+    left: Values  # true where the centre passes an end of the profile
+    failed: Values  # true where the search was given up
+    segment: Values  # number of the segment touched, else -1
+    normal_x: Values  # normal out of the ground at the contact; 0 for none
     normal_y: Values
-    gap: Values
-    """Gap at the contact [m]; negative where the block started in the ground."""
+    gap: Values  # at the contact [m]; negative for a start in the ground
 
 
 @closed_form

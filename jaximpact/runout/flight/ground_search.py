@@ -35,23 +35,23 @@ from .time_of_impact import (
 class GroundSearch(NamedTuple):
     """State of a search."""
 
-    body: Body  # Block at the start of the flight
+    body: Body  # block at the start of the flight
     outline: BlockOutline
-    tree: Values  # Address of the table of the covers
-    slack: Values  # Gap within which the block touches [m]
+    tree: Values  # address of the table of the covers
+    slack: Values  # gap within which the block touches [m]
     until: Values
     """Time of the earliest contact so far, or up to which to search [s]; later ones do
     not count."""
-    at: Values  # Row of the node that is looked at
-    entered: Values  # Time up to which nothing under the cover above is touched [s]
-    time: Values  # Time up to which the node is not touched [s]
-    is_new: Values  # True for a node that has not been looked at
-    depth: Values  # Depth of the block in a segment [m]; see `time_of_impact`
-    steps: Values  # Number of steps with this node
-    given_up: Values  # True where the steps with a node ran out at the time `until`
+    at: Values  # row of the node that is looked at
+    entered: Values  # time up to which nothing under the cover above is touched [s]
+    time: Values  # time up to which the node is not touched [s]
+    is_new: Values  # true for a node that has not been looked at
+    depth: Values  # depth of the block in a segment [m]; see `time_of_impact`
+    steps: Values  # number of steps with this node
+    given_up: Values  # true where the steps with a node ran out at the time `until`
     touched: Values
-    segment: Values  # Number of the segment touched, -1 for none
-    gap: Gap  # Gap at the contact
+    segment: Values  # number of the segment touched, -1 for none
+    gap: Gap  # gap at the contact
 
 
 def begin(

@@ -60,9 +60,9 @@ class Piece(NamedTuple):
 class Gap(NamedTuple):
     """Gap between a block and a column, in a direction that may part them."""
 
-    width: Values  # Width g [m]; negative where the direction does not part them
-    opening: Values  # Rate dg/dt [m/s]
-    normal_x: Values  # Direction N from the column to the block
+    width: Values  # width g [m]; negative where the direction does not part them
+    opening: Values  # rate dg/dt [m/s]
+    normal_x: Values  # direction N from the column to the block
     normal_y: Values
 
 

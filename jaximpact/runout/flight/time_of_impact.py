@@ -32,35 +32,32 @@ fast spin meets a slow approach."""
 class Search(NamedTuple):
     """State of a search."""
 
-    body: Body  # Block at the start of the flight
+    body: Body  # block at the start of the flight
     outline: BlockOutline
     pieces: tuple[Piece, ...]
     depths: tuple[Values, ...]
     """Depth of the block in each piece [m]: the piece is taken to lie lower by that,
     until the block is out of it. Above 0 only for a block that started in the
     ground."""
-    slack: Values  # Gap within which the block touches [m]
-    until: Values  # Time for which the pieces suffice [s]
-    time: Values  # Time reached [s]
-    steps: Values  # Number of steps so far
+    slack: Values  # gap within which the block touches [m]
+    until: Values  # time for which the pieces suffice [s]
+    time: Values  # time reached [s]
+    steps: Values  # number of steps so far
     touched: Values
-    piece: Values  # Number of the piece touched
-    gap: Gap  # Gap at the contact
+    piece: Values  # number of the piece touched
+    gap: Gap  # gap at the contact
 
 
 class FirstContact(NamedTuple):
     """Result of a search."""
 
-    time: Values  # Time of the contact [s], or up to which there is none
+    time: Values  # time of the contact [s], or up to which there is none
     touched: Values  # 1 where there is a contact
     given_up: Values  # 1 where the steps ran out
-    number: Values
-    """Number of the piece, or of the segment of the profile, that is touched."""
-    normal_x: Values  # Normal out of the ground at the contact
+    number: Values  # of the piece, or of the segment, that is touched
+    normal_x: Values  # normal out of the ground at the contact
     normal_y: Values
-    gap: Values
-    """Gap at the contact [m], 0 but for rounding, or negative where the block started
-    inside the piece."""
+    gap: Values  # at the contact [m]; negative for a start in the ground
 
 
 def touching_gap(outline: BlockOutline, scale: Values) -> Values:

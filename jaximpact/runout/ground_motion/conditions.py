@@ -20,19 +20,14 @@ from ..lane_programs import Values, closed_form
 class Riders(NamedTuple):
     """Blocks on the ground, arrays `(blocks,)`."""
 
-    radius: np.ndarray  # Height of the centre over the ground [m]
+    radius: np.ndarray  # height of the centre over the ground [m]
     ratio: np.ndarray  # k = I/(m r^2); 0 for a block that slides
-    rolls: np.ndarray  # True for a block that rolls
-    barrier: np.ndarray
-    """Height by which its long axis lifts a block that rolls [m]; 0 for a block that
-    slides."""
-    turning_slope: np.ndarray
-    """Tangent of the slope that tips a block over its long axis."""
-    flat_curvature: np.ndarray
-    """Radius of curvature with which a block that slides leaves an edge [m]."""
-    hop: np.ndarray  # Height of a flight that is not followed [m]
-    closing: np.ndarray
-    """Squared velocity across level ground that makes an impact [m2/s2]."""
+    rolls: np.ndarray  # true for a block that rolls
+    barrier: np.ndarray  # height by which the long axis lifts a block that rolls [m]
+    turning_slope: np.ndarray  # tangent of the slope that tips a block
+    flat_curvature: np.ndarray  # radius at which a sliding block leaves an edge [m]
+    hop: np.ndarray  # height of a flight that is not followed [m]
+    closing: np.ndarray  # squared speed across level ground that makes an impact
 
     def at(self, blocks: np.ndarray) -> "Riders":
         """Select blocks."""
@@ -47,15 +42,15 @@ points then lie closer than an eighth of the curve's radius."""
 class MotionAhead(NamedTuple):
     """Motion over the elements ahead, arrays `(blocks, elements)`."""
 
-    start_squared: np.ndarray  # Squared speed at the start of an element [m2/s2]
+    start_squared: np.ndarray  # squared speed at the start of an element [m2/s2]
     stop_squared: np.ndarray
-    friction: np.ndarray  # Tangent of the angle of friction
+    friction: np.ndarray  # tangent of the angle of friction
 
 
 class Bend(NamedTuple):
     """Ground about a point."""
 
-    shorter: Values  # As in `Elements`
+    shorter: Values  # as in `Elements`
     on_curve: Values
     begins: Values  # 1 where the arc about the point begins, 0 for a later part of it
 
@@ -63,20 +58,19 @@ class Bend(NamedTuple):
 class Passage(NamedTuple):
     """Passage over an element."""
 
-    length: Values  # Length along the path [m]
-    duration: Values  # Time that it takes [s]
-    speed: Values  # Speed at the start [m/s]
+    length: Values  # length along the path [m]
+    duration: Values  # time that it takes [s]
+    speed: Values  # speed at the start [m/s]
 
 
 class Conditions(NamedTuple):
     """Conditions for events on an element; 1 where true, 0 where false."""
 
-    slow: Values  # True where the block becomes too slow for its kind of motion
-    loose: Values  # True where the path falls away faster than the block does
-    corner: Values
-    """True where the path turns up behind the element by more than `MILD`."""
-    hard: Values  # True where that is an impact
-    turn: Values  # Angle by which the path turns, on the element and up behind it [rad]
+    slow: Values  # true where the block becomes too slow for its kind of motion
+    loose: Values  # true where the path falls away faster than the block does
+    corner: Values  # the path turns up behind it by more than `MILD`
+    hard: Values  # true where that is an impact
+    turn: Values  # angle by which the path turns, on the element and up behind it [rad]
     passage: Passage
 
 
@@ -188,7 +182,7 @@ def _is_loose(
 class Hops(NamedTuple):
     """Hops, followed as flights or not; arrays `(blocks,)`."""
 
-    flies: np.ndarray  # True for a flight that is followed
+    flies: np.ndarray  # true for a flight that is followed
     landing_x: np.ndarray  # x at which one that is not comes back to the path [m]
 
 

@@ -95,9 +95,8 @@ class Ride(NamedTuple):
     next_normal_x: np.ndarray  # normal behind the corner at the end
     next_normal_y: np.ndarray
     friction: np.ndarray  # tangent of the angle of friction on the element there
-    moved: np.ndarray  # True where the ride took time
-    turned: np.ndarray
-    """Angle by which the block has rolled [rad], in its direction of motion."""
+    moved: np.ndarray  # true where the ride took time
+    turned: np.ndarray  # by rolling [rad], in the direction of motion
     passed: np.ndarray  # x in the mirror up to which corners are passed over [m]
 
 

@@ -228,11 +228,11 @@ class Corner(NamedTuple):
     """Corner of the path of a block's centre; directions are normals out of the
     ground."""
 
-    here_x: Values  # Normal of the path along which the block came
+    here_x: Values  # normal of the path along which the block came
     here_y: Values
-    ahead_x: Values  # Normal of the plane that it strikes
+    ahead_x: Values  # normal of the plane that it strikes
     ahead_y: Values
-    segment: Values  # Number of the segment that it strikes
+    segment: Values  # number of the segment that it strikes
 
 
 @closed_form

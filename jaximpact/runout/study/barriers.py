@@ -182,10 +182,10 @@ def barrier_variables(
 class Estimate(NamedTuple):
     """Number estimated from blocks, with its interval of 95 %."""
 
-    blocks: int  # Number of blocks behind it
-    count: int | None  # Number of blocks of a share; None for a percentile
+    blocks: int  # number of blocks behind it
+    count: int | None  # number of blocks of a share; None for a percentile
     value: float
-    low: float  # Lower end; NaN where there are too few blocks for one
+    low: float  # lower end; NaN where there are too few blocks for one
     high: float
 
 

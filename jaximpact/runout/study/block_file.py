@@ -36,10 +36,9 @@ VOLUME_COLUMN = dataclasses.replace(
 class BlockInput(NamedTuple):
     """Blocks as the file says them, in the units of its names."""
 
-    kinds: tuple[type[AbstractShape], ...]  # Shapes of the blocks
-    base: Block  # Block with a shape of each kind, all else being the default
-    quantities: dict[str, Quantity]
-    """Quantities by name; several shapes as their indices."""
+    kinds: tuple[type[AbstractShape], ...]  # shapes of the blocks
+    base: Block  # block with a shape of each kind, all else being the default
+    quantities: dict[str, Quantity]  # by name; several shapes as their indices
 
     @property
     def columns(self) -> dict[str, InputColumn]:

@@ -37,14 +37,13 @@ class Calibrated(NamedTuple):
 
     file: Path
     checksum: str  # SHA-256 of the file
-    soil: Soil  # Soil with the laws of the calibration
-    fixed: dict[str, float]
-    """Values of the soil in the calibration, in the units of their names."""
-    names: tuple[str, ...]  # Names of the fitted parameters
-    undetermined: dict[str, str]  # Reasons why parameters are not identifiable, by name
+    soil: Soil  # soil with the laws of the calibration
+    fixed: dict[str, float]  # values that were not fitted, in their units
+    names: tuple[str, ...]  # names of the fitted parameters
+    undetermined: dict[str, str]  # reasons why parameters are not identifiable, by name
     bounds: "Bounds"  # Bounds and coordinates of the fit
-    samples: np.ndarray  # Samples of the coordinates x, `(samples, parameters)`
-    weights: np.ndarray  # Weights of the samples, of sum 1, `(samples,)`
+    samples: np.ndarray  # samples of the coordinates x, `(samples, parameters)`
+    weights: np.ndarray  # weights of the samples, of sum 1, `(samples,)`
     group_sd: np.ndarray
     """Standard deviation of the logarithm of a group's factor on each parameter,
     `(parameters,)`; 0 for one that does not differ by group."""

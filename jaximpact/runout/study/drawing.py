@@ -246,9 +246,9 @@ def _draw_ground(axes: Axes, profile: Profile, drawn: "DrawnGrounds") -> list[Pa
 class DrawnGrounds(NamedTuple):
     """Grounds of a profile as they are drawn."""
 
-    number: list[int]  # Number of each segment's ground
-    colours: list[str]  # Colour of each ground
-    words: list[str]  # Description of each ground, in a few words
+    number: list[int]  # number of each segment's ground
+    colours: list[str]  # colour of each ground
+    words: list[str]  # description of each ground, in a few words
 
 
 def drawn_grounds(

@@ -54,10 +54,8 @@ class GroundLayout(NamedTuple):
     profile: Profile
     """The profile, cut where the ground changes within a segment, with the ground that
     is alike for all blocks."""
-    places: dict[str, np.ndarray]
-    """Segments of each part, by its key, bool `(segments,)`."""
-    owners: dict[str, list[str]]
-    """Keys of the parts that have a quantity of their own, by its name."""
+    places: dict[str, np.ndarray]  # bool `(segments,)` of each part, by key
+    owners: dict[str, list[str]]  # keys of the parts with a quantity of their own
     materials: tuple[str, ...]  # material of each segment, "" for none
     smoothing: Smoothing | None = None  # what a smoothing did to the profile
 
@@ -86,13 +84,10 @@ class GroundInput(NamedTuple):
     """
 
     path: Path
-    soil: Soil
-    """Soil with the laws; the values of parameters are in the other fields."""
+    soil: Soil  # gives the laws; values are in the other fields
     quantities: dict[str, Quantity | RandomField]
-    parts: dict[str, GroundPart]
-    """Segments and materials, by keys under [ground] such as materials.scree."""
-    calibrated: Calibrated | None
-    """Calibration to sample the other parameters from."""
+    parts: dict[str, GroundPart]  # by keys under [ground]: materials.scree
+    calibrated: Calibrated | None  # to sample the rest from
 
     @classmethod
     def read(cls, path: Path, content: dict) -> "GroundInput":

@@ -70,11 +70,11 @@ class Layer(NamedTuple):
     """Things of one kind on the map."""
 
     name: str
-    is_line: bool  # True for lines, False for points
+    is_line: bool  # true for lines, False for points
     positions: list[np.ndarray]
     """Easting, northing and height [m] of each thing, `(positions, 3)`; without any for
     what has no place."""
-    properties: pd.DataFrame  # Properties of each thing, one a row
+    properties: pd.DataFrame  # properties of each thing, one a row
 
 
 def write_map_files(

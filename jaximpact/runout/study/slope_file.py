@@ -132,7 +132,7 @@ class SlopeInput(NamedTuple):
     ground: GroundInput
     layout: GroundLayout
     blocks: BlockInput
-    start: dict[str, Quantity]  # Quantities of the releases
+    start: dict[str, Quantity]  # quantities of the releases
     laws: list[NamedLaw]
     limits: Limits
     seed: int
