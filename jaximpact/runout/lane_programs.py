@@ -37,10 +37,6 @@ else:
 """Numbers of many blocks, `(lanes,)`: NumPy arrays between programs, JAX scalars inside
 them."""
 
-LANES_PER_THREAD = 512
-"""Lanes of a program of many steps that are worth a thread."""
-LANES_PER_THREAD_OF_ONE_STEP = 16_384
-"""Lanes of a program of one step that are worth a thread."""
 LANES_OF_XLA = 512
 """Lanes that XLA takes at once, always so many."""
 
@@ -71,7 +67,8 @@ class LaneProgram:
                 self._kernels[structure] = self._kernel(inputs)
         kernel = self._kernels[structure]
         shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
-        rows = _run(kernel, leaves, shape, LANES_PER_THREAD)
+        # So many lanes of many steps are worth a thread.
+        rows = _run(kernel, leaves, shape, lanes_per_thread=512)
         return jax.tree.unflatten(kernel.structure, rows)
 
     def _kernel(self, inputs) -> "KernelSet | _ByXla":
@@ -94,11 +91,8 @@ class LaneProgram:
 
 
 def _kept(functions: Sequence[Callable], tree, compiled: Callable) -> Any:
-    """Keep what is compiled of functions for inputs, a tree.
-
-    Only of functions that the package defines under a name of their own. Raises
-    NoMachineCode as `compiled` does.
-    """
+    """Keep what is compiled of functions for inputs, a tree, if the package defines
+    them under a name of their own."""
     names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
     with collector_paused():
         if all(n.startswith(f"{PACKAGE}.") and "<" not in n for n in names):
@@ -193,7 +187,7 @@ class ClosedProgram:
         if kernel is not None:
             used = [leaves[place] for place in plan.used]
             needed = np.broadcast_shapes((1,), *map(np.shape, used))
-            computed = iter(_run(kernel, used, needed, LANES_PER_THREAD_OF_ONE_STEP))
+            computed = iter(_run(kernel, used, needed, lanes_per_thread=16_384))
         results = [
             np.asarray(next(computed) if place is None else leaves[place], float)
             for place in plan.passed

@@ -140,19 +140,15 @@ Distribution = Normal | Uniform | Lognormal | PowerLaw
 
 MULTIPLIERS = np.uint64(0xD2511F53), np.uint64(0xCD9E8D57)
 KEY_STEPS = 0x9E3779B9, 0xBB67AE85
-ROUNDS = 10
 LOW, HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 
 
 def philox(words: Sequence[ArrayLike], key: tuple[int, int]) -> list[np.ndarray]:
-    """Compute four random words of 32 bits, as uint64, at a counter of four words.
-
-    Args:
-        words: counter, arrays of whole numbers below 2^32 that broadcast.
-        key: two such numbers that name the stream.
-    """
+    """Compute four random words of 32 bits, as uint64, at a counter of four words,
+    arrays of whole numbers below 2^32 that broadcast; two such numbers, the key, name
+    the stream."""
     a, b, c, d = (np.asarray(word).astype(np.uint64) for word in words)
-    for turn in range(ROUNDS):
+    for turn in range(10):
         first, second = (
             np.uint64((part + turn * step) & 0xFFFFFFFF)
             for part, step in zip(key, KEY_STEPS, strict=True)

@@ -191,13 +191,8 @@ def _time_open_to_point(
 ) -> Values:
     """Bound the time for which the gap to an end of a segment stays open [s], in a
     direction that turns with the block: a flat face that turns on a point stays parted
-    from it.
-
-    Args:
-        line: gap along the segment's normal, up to which, or to the horizontal, the
-            direction may turn.
-        side: -1 for the left end, 1 for the right one.
-    """
+    from it. It may turn up to the segment's normal, that of the gap `line`, or to the
+    horizontal; the side is -1 for the left end, 1 for the right one."""
     spin = jnp.abs(body.angular_velocity)
     to_line = side * body.angular_velocity < 0.0
     end_x = jnp.where(to_line, line.normal_x, side)
@@ -229,7 +224,6 @@ def time_without_contact(
     """Bound the time for which the block does not touch a column [s].
 
     Args:
-        body, outline, piece: block and segment at this moment.
         axis: sine and cosine of the orientation.
         candidates: gaps of the block to this column.
         depth: depth by which the column is taken to lie lower than it does [m].
