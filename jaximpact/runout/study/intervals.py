@@ -37,8 +37,8 @@ def share_interval(count: int, blocks: int) -> tuple[float, float]:
 def share_intervals_over_grounds(
     counts: np.ndarray, blocks: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    r"""Find the intervals of shares on uncertain ground, of numbers of blocks `(grounds,
-    shares)` out of so many on each, `(grounds,)`; NaN where no ground has blocks.
+    r"""Find the intervals of shares on uncertain ground: of numbers of blocks, shape
+    `(grounds, shares)`, out of so many on each; NaN where no ground has blocks.
 
     Their ends solve
 
