@@ -45,7 +45,6 @@ from .plane_contact import (
     PlaneContact,
     PostImpact,
     Settled,
-    Touch,
     impact_of,
     on_footprint,
     settle,
@@ -72,9 +71,8 @@ def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
     blocks, constants = select((state.blocks, state.constants), lanes)
     blocks = on_footprint(state.profile, blocks, constants)
     segment = blocks.segment.astype(int)
-    touched = touch(blocks, constants)
-    struck = touched.contact
-    is_impact = struck.closing >= touched.slow
+    struck = touched = touch(blocks, constants)
+    is_impact = touched.closing >= touched.slow
     rough = is_impact & (state.roughness[lanes, segment] > 0.0)
     turn = np.zeros(len(lanes))
     if np.any(rough):
@@ -273,7 +271,7 @@ class Seen(NamedTuple):
 def depart(
     block: BlockState,
     constants: BlockConstants,
-    touched: Touch,
+    touched: PlaneContact,
     struck: PlaneContact,
     response: ImpactResponse,
     settled: Settled,
@@ -294,7 +292,7 @@ def depart(
         The block; the record of the contact; and the contact as a piece of the
         trajectory, of no meaning where it takes no time.
     """
-    slope, turned = touched.contact.slope, seen.turn != 0.0
+    slope, turned = touched.slope, seen.turn != 0.0
     after, x, y, lacks, free = _travelled(block, constants, struck, settled, seen.free)
     on = Continuation(
         x=x,

@@ -35,6 +35,7 @@ class PlaneContact(NamedTuple):
     tangential_velocity: Values  # v_t [m/s], to the right
     angular_velocity: Values  # angular velocity [rad/s], clockwise positive
     closing: Values  # velocity at which the lowest point goes into the ground [m/s]
+    slow: Values  # least closing velocity of an impact [m/s]
 
 
 def contact_with_plane(
@@ -54,23 +55,23 @@ def contact_with_plane(
     _, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     v_n = -(body.v_x * sin + body.v_y * cos)
     v_t = body.v_x * cos - body.v_y * sin
-    closing = v_n + arm * body.angular_velocity
-    return PlaneContact(slope, theta, v_n, v_t, body.angular_velocity, closing)
-
-
-class Touch(NamedTuple):
-    """Block that touches the ground."""
-
-    contact: PlaneContact  # contact in the frame of the plane that the block touches
-    slow: Values  # least closing speed of an impact [m/s]
+    return PlaneContact(
+        slope=slope,
+        orientation=theta,
+        normal_velocity=v_n,
+        tangential_velocity=v_t,
+        angular_velocity=body.angular_velocity,
+        closing=v_n + arm * body.angular_velocity,
+        slow=small_speed(outline.smallest, slope),
+    )
 
 
 @closed_form
-def touch(block: BlockState, constants: BlockConstants) -> Touch:
+def touch(block: BlockState, constants: BlockConstants) -> PlaneContact:
     """Transform a block that touches the ground to the frame of the plane there."""
-    outline = constants.outline
-    contact = contact_with_plane(block.body, outline, block.normal_x, block.normal_y)
-    return Touch(contact, small_speed(outline.smallest, contact.slope))
+    return contact_with_plane(
+        block.body, constants.outline, block.normal_x, block.normal_y
+    )
 
 
 @closed_form
@@ -227,7 +228,7 @@ def on_footprint(
     normal_x[small], normal_y[small] = -d_y / length, d_x / length
     struck = block._replace(normal_x=normal_x, normal_y=normal_y)
     touched = touch(struck, constants)
-    closes = touched.contact.closing >= touched.slow
+    closes = touched.closing >= touched.slow
     return block._replace(
         normal_x=np.where(closes, normal_x, n_x),
         normal_y=np.where(closes, normal_y, n_y),

@@ -28,7 +28,7 @@ from ..ground_motion.rolling import SMALL_RISE
 from ..lane_programs import Values
 from ..random_inputs import key_of, uniforms_at
 from ..state import BlockConstants, RunState
-from .plane_contact import Continuation, PlaneContact, PostImpact, Touch, touch_facet
+from .plane_contact import Continuation, PlaneContact, PostImpact, touch_facet
 
 CUT = 3.0
 """Number of standard deviations at which the distribution of angles is truncated."""
@@ -37,7 +37,7 @@ CUT = 3.0
 def strike_facets(
     state: RunState,
     lanes: np.ndarray,
-    touched: Touch,
+    touched: PlaneContact,
     struck: PlaneContact,
     rough: np.ndarray,
 ) -> np.ndarray:
@@ -50,7 +50,7 @@ def strike_facets(
     """
     block = state.blocks
     deviation = state.roughness[lanes, block.segment[lanes].astype(int)]
-    slope, slow = touched.contact.slope, touched.slow
+    slope, slow = touched.slope, touched.slow
     turned = np.zeros(len(lanes))
     open_yet = np.flatnonzero(rough)
     key = key_of(state.seed, "roughness")
@@ -81,7 +81,7 @@ def strike_facets(
 
 def lift_off_facet(
     constants: BlockConstants,
-    touched: Touch,
+    touched: PlaneContact,
     struck: PlaneContact,
     gap: Values,
     after: PostImpact,
@@ -90,12 +90,12 @@ def lift_off_facet(
     """Set a block that a facet left in its segment back on it, given its gap at touch
     [m], and the block on the facet after the contact and as it leaves it."""
     outline, (mass, inertia) = constants.outline, constants.mass_properties
-    contact, slow = touched
-    turn = struck.slope - contact.slope
+    slope, slow = touched.slope, touched.slow
+    turn = struck.slope - slope
     sin, cos = jnp.sin(turn), jnp.cos(turn)
     theta = after.orientation + turn
     before, _ = support(
-        outline, jnp.sin(contact.orientation), jnp.cos(contact.orientation)
+        outline, jnp.sin(touched.orientation), jnp.cos(touched.orientation)
     )
     radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     over = gap + before - radius + after.rise * cos - after.travel * sin
@@ -103,7 +103,7 @@ def lift_off_facet(
     v_n, v_t = after.normal_velocity, after.tangential_velocity
     spin = after.angular_velocity
     kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
-    left = kinetic - mass * GRAVITY * jnp.cos(contact.slope) * depth
+    left = kinetic - mass * GRAVITY * jnp.cos(slope) * depth
     kept = left / jnp.where(kinetic > 0.0, kinetic, 1.0)
     fraction = jnp.sqrt(jnp.maximum(kept, 0.0))
     climbs = (left > 0.0) | (depth == 0.0)
@@ -113,8 +113,8 @@ def lift_off_facet(
     leaves |= fraction * (rising - arm * spin) >= slow
     leaves |= over > SMALL_RISE * outline.smallest
     lifted = Continuation(
-        x=on.x + lift * jnp.sin(contact.slope),
-        y=on.y + lift * jnp.cos(contact.slope),
+        x=on.x + lift * jnp.sin(slope),
+        y=on.y + lift * jnp.cos(slope),
         orientation=theta,
         tangential_velocity=fraction * (v_t * cos - v_n * sin),
         over=over,

@@ -88,7 +88,7 @@ def _least_squared(
 
 least_squared = closed_form(_least_squared)
 """`least_squared(riders, n_x, n_y, friction)`: squared speeds below which blocks do not
-roll on over their long axes [m2/s2], as `rolling.begin_ground_motion` needs them."""
+roll on over their long axes [m2/s2], as `rolling.begin_on_ground` needs them."""
 
 
 def _arc(ahead: Ahead, h: Values) -> Values:

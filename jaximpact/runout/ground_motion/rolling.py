@@ -32,63 +32,6 @@ from ..lane_programs import Values, closed_form
 from ..state import NONE, BlockConstants, BlockState, Phase
 from ..trajectory import Ending
 
-
-class GroundMotion(NamedTuple):
-    """Motion of a block along the ground."""
-
-    rolls: Values  # 1 if it rolls, 0 if it slides
-    direction: Values  # 1 along t, -1 against it
-    speed_squared: Values
-    """Squared speed [m2/s2]; negative where the slope tips a block over that lies so
-    low that it has to go down first."""
-    stays: Values  # 1 where the block lies too deep to come up
-
-
-def begin_ground_motion(
-    constants: BlockConstants,
-    slope: Values,
-    rolling_friction: Values,
-    height: Values,
-    tangential_velocity: Values,
-    angular_velocity: Values,
-) -> GroundMotion:
-    """Begin motion along the ground: rolling, sliding or rest.
-
-    The block is brought to rolling by an impulse at the ground, which leaves the
-    angular momentum about the contact as it is and costs the energy of the slip; its
-    centre comes from its height over the plane [m] to that of the round block, which
-    costs or gives energy. If the rest takes it over its long axis it rolls. Else it
-    slides at the velocity that it has along the ground, and its rotation is lost.
-    """
-    (mass, inertia), whole = constants.mass_properties, constants.round
-    radius, weight = whole.radius, mass * GRAVITY * jnp.cos(slope)
-    turning = mass * radius**2 + inertia
-    spin = (mass * radius * tangential_velocity + inertia * angular_velocity) / turning
-    energy = 0.5 * turning * spin**2 - weight * (radius - height)
-    steep = jnp.abs(jnp.tan(slope)) > whole.turning_slope + rolling_friction
-    # Least energy for rolling: none on a slope that tips the block.
-    needed = jnp.where(steep, 0.0, weight * (whole.tallest - radius))
-    rolls = (needed <= 0.0) | (energy >= needed)
-    rounding = 1e-9 * mass * GRAVITY * radius
-    energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
-    # A block that lies down loses its height; any height that it gains costs energy.
-    rise = jnp.maximum(constants.outline.smallest - height, 0.0)
-    sliding = tangential_velocity**2 - 2.0 * GRAVITY * jnp.cos(slope) * rise
-    along = jnp.where(rolls, spin, tangential_velocity)
-    # A block at rest starts down-slope.
-    direction = jnp.where(along == 0.0, slope, along)
-    return GroundMotion(
-        rolls=rolls.astype(float),
-        direction=jnp.where(direction >= 0.0, 1.0, -1.0),
-        speed_squared=jnp.where(
-            rolls, 2.0 * radius**2 * energy / turning, jnp.maximum(sliding, 0.0)
-        ),
-        stays=jnp.where(
-            rolls, (energy < 0.0) & ~steep, sliding < -1e-9 * GRAVITY * radius
-        ).astype(float),
-    )
-
-
 SMALL_RISE = 1e-2
 """Fraction of the smaller semi-axis; energies that would lift a block by less count as
 none: hops so low are not followed, and touches so slow are no impacts. They take less
@@ -111,42 +54,63 @@ def begin_on_ground(
     tangential_velocity: Values,
     angular_velocity: Values,
 ) -> BlockState:
-    """Begin motion along the ground: decide whether a block rolls, where to, how fast.
+    """Begin motion along the ground: rolling, sliding or rest.
 
-    One that lies so low that the slope tips it over before it has the height to roll
-    goes down-slope for it.
+    The block is brought to rolling by an impulse at the ground, which leaves the
+    angular momentum about the contact as it is and costs the energy of the slip; its
+    centre comes to the height of the round block, which costs or gives energy. If the
+    rest takes it over its long axis it rolls. Else it slides at the velocity that it
+    has along the ground, and its rotation is lost. One that lies so low that the slope
+    tips it over before it has the height to roll goes down-slope for it.
 
     Args:
-        plane: angle of the plane on which it rests [rad], with rolling friction.
+        plane: angle of the plane on which it rests [rad].
         height: height of its centre over the plane [m].
     """
-    motion = begin_ground_motion(
-        constants=constants,
-        slope=plane,
-        rolling_friction=rolling_friction,
-        height=height,
-        tangential_velocity=tangential_velocity,
-        angular_velocity=angular_velocity,
+    (mass, inertia), whole = constants.mass_properties, constants.round
+    radius, weight = whole.radius, mass * GRAVITY * jnp.cos(plane)
+    turning = mass * radius**2 + inertia
+    spin = (mass * radius * tangential_velocity + inertia * angular_velocity) / turning
+    energy = 0.5 * turning * spin**2 - weight * (radius - height)
+    steep = jnp.abs(jnp.tan(plane)) > whole.turning_slope + rolling_friction
+    # Least energy for rolling: none on a slope that tips the block.
+    needed = jnp.where(steep, 0.0, weight * (whole.tallest - radius))
+    can_roll = (needed <= 0.0) | (energy >= needed)
+    rolls = can_roll.astype(float)
+    rounding = 1e-9 * mass * GRAVITY * radius
+    energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
+    # A block that lies down loses its height; any height that it gains costs energy.
+    rise = jnp.maximum(constants.outline.smallest - height, 0.0)
+    sliding = tangential_velocity**2 - 2.0 * GRAVITY * jnp.cos(plane) * rise
+    squared = jnp.where(
+        can_roll, 2.0 * radius**2 * energy / turning, jnp.maximum(sliding, 0.0)
     )
-    stays, body = motion.stays > 0.0, block.body
-    over = jnp.where(stays, 0.0, constants.centre_height(motion.rolls) - height)
+    # It stays where it lies too deep to come up.
+    stays = jnp.where(
+        can_roll, (energy < 0.0) & ~steep, sliding < -1e-9 * GRAVITY * radius
+    )
+    along = jnp.where(can_roll, spin, tangential_velocity)
+    # A block at rest starts down-slope.
+    direction = jnp.where(along == 0.0, plane, along)
+
+    over = jnp.where(stays, 0.0, constants.centre_height(rolls) - height)
     sin, cos = jnp.sin(plane), jnp.cos(plane)
-    short = (motion.rolls > 0.0) & (motion.speed_squared < 0.0) & ~stays
-    whole = 1.0 + constants.inertia_ratio(motion.rolls)
-    missing = jnp.where(short, -motion.speed_squared, 0.0) * whole
+    short = can_roll & (squared < 0.0) & ~stays
+    missing = jnp.where(short, -squared, 0.0) * (1.0 + constants.inertia_ratio(rolls))
     down = jnp.where(plane >= 0.0, 1.0, -1.0)
-    along = down * missing / (2.0 * GRAVITY * jnp.where(short, jnp.abs(sin), 1.0))
+    way = down * missing / (2.0 * GRAVITY * jnp.where(short, jnp.abs(sin), 1.0))
+    body = block.body
     lying = lying_orientation(body.orientation, constants, plane)
     begun = block._replace(
         phase=jnp.full_like(block.phase, float(Phase.grounded)),
         element=jnp.full_like(block.element, NONE),
-        rolls=motion.rolls,
-        direction=jnp.where(short, down, motion.direction),
-        speed_squared=jnp.where(short, 0.0, motion.speed_squared),
+        rolls=rolls,
+        direction=jnp.where(short, down, jnp.where(direction >= 0.0, 1.0, -1.0)),
+        speed_squared=jnp.where(short, 0.0, squared),
     ).moved(
-        x=body.x + over * sin + along * cos,
-        y=body.y + over * cos - along * sin,
-        orientation=jnp.where(motion.rolls > 0.0, body.orientation, lying),
+        x=body.x + over * sin + way * cos,
+        y=body.y + over * cos - way * sin,
+        orientation=jnp.where(can_roll, body.orientation, lying),
     )
     return begun.ended(Ending.stopped, stays)
 
