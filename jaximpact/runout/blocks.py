@@ -92,21 +92,20 @@ def fly(body: Body, time) -> Body:
     )
 
 
-class Support(NamedTuple):
-    """Extent of the block against a direction N."""
+def support(outline: BlockOutline, sin: Values, cos: Values) -> tuple[Values, Values]:
+    """Compute the extent of a block against a direction N, from sine and cosine of
+    Theta.
 
-    radius: Values  # r_y [m], distance from the centre to the lowest point, against N
-    arm: Values  # T = dr_y/dTheta [m], from the centre to the lowest point
-
-
-def support(outline: BlockOutline, sin: Values, cos: Values) -> Support:
-    """Compute the extent of a block, from sine and cosine of Theta."""
+    Returns:
+        Distances from the centre to the lowest point [m]: r_y against N, and along t
+        the arm, T = dr_y/dTheta.
+    """
     shape, axes = outline.shape, outline.axes
-    return Support(shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos))
+    return shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)
 
 
 @closed_form
-def support_of(outline: BlockOutline, theta: Values) -> Support:
+def support_of(outline: BlockOutline, theta: Values) -> tuple[Values, Values]:
     """Compute `support` from the angle Theta itself, for arrays."""
     return support(outline, jnp.sin(theta), jnp.cos(theta))
 

@@ -207,8 +207,9 @@ class CentrePath:
             keep = max(2, int(np.max(np.count_nonzero(touched, axis=1))))
             there, touched = there[:, :keep], touched[:, :keep]
         one, two = there[:, :-1], there[:, 1:]
-        meeting = _meet(address_of(self.table), one, two, h)
-        stop_x, stop_y = meeting.x, meeting.y
+        (stop_x, stop_y), stop_normal, next_normal = _meet(
+            address_of(self.table), one, two, h
+        )
         # A block that stands at the end of its element is not set back.
         past = stop_x[:, 0] < x
         stop_x[:, 0] = np.where(past, x, stop_x[:, 0])
@@ -226,12 +227,12 @@ class CentrePath:
             start_y=behind(y, stop_y),
             stop_x=stop_x,
             stop_y=stop_y,
-            start_normal_x=behind(first_x, meeting.next_normal_x),
-            start_normal_y=behind(first_y, meeting.next_normal_y),
-            stop_normal_x=meeting.normal_x,
-            stop_normal_y=meeting.normal_y,
-            next_normal_x=meeting.next_normal_x,
-            next_normal_y=meeting.next_normal_y,
+            start_normal_x=behind(first_x, next_normal[0]),
+            start_normal_y=behind(first_y, next_normal[1]),
+            stop_normal_x=stop_normal[0],
+            stop_normal_y=stop_normal[1],
+            next_normal_x=next_normal[0],
+            next_normal_y=next_normal[1],
             is_segment=self.elements.is_segment[one],
             is_whole=np.ones(one.shape, bool),
         )
@@ -344,17 +345,6 @@ def _curves(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return shorter, on_curve
 
 
-class _Meeting(NamedTuple):
-    """Circle that touches an element and a later one."""
-
-    x: Values  # centre [m]
-    y: Values
-    normal_x: Values  # normal of the path there, on the first of them
-    normal_y: Values
-    next_normal_x: Values  # normal of the path there, on the second
-    next_normal_y: Values
-
-
 class _Column(NamedTuple):
     """Element, as a row of `CentrePath.table` says."""
 
@@ -381,8 +371,9 @@ def _normal(table: Values, element: Values, x: Values, y: Values, h: Values):
 
 
 @closed_form
-def _meet(table: Values, first: Values, second: Values, h: Values) -> _Meeting:
-    """Compute the circle that touches an element and a later one."""
+def _meet(table: Values, first: Values, second: Values, h: Values):
+    """Compute the circle that touches an element and a later one: its centre, and the
+    normals of the path there, on the first and on the second of them."""
     one, two = (
         _Column(*entries(table, row, len(_Column._fields))) for row in (first, second)
     )
@@ -419,4 +410,4 @@ def _meet(table: Values, first: Values, second: Values, h: Values) -> _Meeting:
     on_segment = one.is_segment > 0.0
     x = one.x + jnp.where(on_segment, foot * one.normal_y + h * one.normal_x, from_x)
     y = one.y + jnp.where(on_segment, h * one.normal_y - foot * one.normal_x, from_y)
-    return _Meeting(x, y, *one.normal_at(x, y, h), *two.normal_at(x, y, h))
+    return (x, y), one.normal_at(x, y, h), two.normal_at(x, y, h)

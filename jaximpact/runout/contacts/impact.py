@@ -231,7 +231,7 @@ def free_fraction(
         reach = smallest[lanes]
         if orientation is not None:
             turned = theta[lanes] - profile.slope[place]
-            reach = support_of(select(outline, lanes), turned).radius
+            reach, _ = support_of(select(outline, lanes), turned)
         height = normal_x[place] * (x[lanes] - profile.x[place])
         height += normal_y[place] * (y[lanes] - profile.y[place])
         return height - reach

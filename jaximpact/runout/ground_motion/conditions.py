@@ -179,13 +179,6 @@ def _is_loose(
     return (arc > 0.0) & jnp.where(ahead.is_whole > 0.0, mild, sharp)
 
 
-class Hops(NamedTuple):
-    """Hops, followed as flights or not; arrays `(blocks,)`."""
-
-    flies: np.ndarray  # true for a flight that is followed
-    landing_x: np.ndarray  # x at which one that is not comes back to the path [m]
-
-
 def find_hops(
     path: CentrePath,
     riders: Riders,
@@ -195,10 +188,11 @@ def find_hops(
     n_x: np.ndarray,
     n_y: np.ndarray,
     squared: np.ndarray,
-) -> Hops:
-    """Find out which flights are followed, and where the others end, of blocks that
-    leave the path on elements: from their centres there [m], x in the mirror for those
-    that move to the left, with the path's normals and squared speeds [m2/s2]."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find out which flights are followed, and where the others come back to the path
+    (x), of blocks that leave the path on elements: from their centres there [m], x in
+    the mirror for those that move to the left, with normals and squared speeds
+    [m2/s2]."""
     flies, landing_x = np.zeros(len(x), bool), x.copy()
     asking, width = np.arange(len(x)), 8  # elements, and twice as many if need be
     here = element, x, y
@@ -242,4 +236,4 @@ def find_hops(
             )
         )
         asking, width = asking[open_yet], 2 * width
-    return Hops(flies, landing_x)
+    return flies, landing_x

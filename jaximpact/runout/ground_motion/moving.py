@@ -14,7 +14,7 @@ from ..state import NONE, BlockConstants, BlockState, Phase, RunState
 from ..trajectory import Ending, Pieces
 from .conditions import Riders, least_squared
 from .ride import Event, Place, Ride, ride
-from .rolling import SMALL_RISE, Corner, lie_down, strike_corner, take_off
+from .rolling import SMALL_RISE, lie_down, strike_corner, take_off
 
 SHORTEST_LOOKAHEAD, LONGEST_LOOKAHEAD = 4, 128
 """Numbers of elements ahead that a ride evaluates: few after an event, more while
@@ -205,14 +205,10 @@ def _strike(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     most = np.maximum(ground.behind, ground.ahead)
     on_line = np.clip(number, least, most)
     segment = np.where(ground.is_segment, on_line, ground.behind)
-    corner = Corner(
-        here_x=block.direction * there.normal_x,
-        here_y=there.normal_y,
-        ahead_x=block.direction * there.next_normal_x,
-        ahead_y=there.next_normal_y,
-        segment=segment.astype(float),
-    )
-    put(state.blocks, lanes, strike_corner(block, constants, corner))
+    here = block.direction * there.normal_x, there.normal_y
+    ahead = block.direction * there.next_normal_x, there.next_normal_y
+    struck = strike_corner(block, constants, here, ahead, segment.astype(float))
+    put(state.blocks, lanes, struck)
 
 
 def _turn_slowly(state: RunState, lanes: np.ndarray, there: Ride) -> None:

@@ -257,10 +257,12 @@ def _first_event(
         start = _leaving(
             riders.at(asking), _at(ahead, asking, at), _at(motion, asking, at)
         )
-        hops = find_hops(path, riders.at(asking), ahead.element[asking, at], *start)
-        asking, at = asking[~hops.flies], at[~hops.flies]
+        flies, landing_x = find_hops(
+            path, riders.at(asking), ahead.element[asking, at], *start
+        )
+        asking, at, landing_x = asking[~flies], at[~flies], landing_x[~flies]
         loose[asking, at] = False
-        passed[asking] = np.maximum(passed[asking], hops.landing_x[~hops.flies])
+        passed[asking] = np.maximum(passed[asking], landing_x)
 
 
 def _first(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -22,8 +22,6 @@ goes on from there is the matter of `ride`. A round block leaves the ground as t
 section that it stands for (`take_off`, `strike_corner`).
 """
 
-from typing import NamedTuple
-
 import jax.numpy as jnp
 
 from ...scene import GRAVITY
@@ -143,22 +141,16 @@ def lie_down(block: BlockState, constants: BlockConstants, plane: Values) -> Blo
     )
 
 
-class TakeOff(NamedTuple):
-    """Block that leaves the ground."""
-
-    block: BlockState
-    flies: Values  # 1 where the section leaves the ground too; else the block rolls on
-
-
 @closed_form
 def take_off(
     block: BlockState, constants: BlockConstants, normal_x: Values, normal_y: Values
-) -> TakeOff:
+) -> tuple[BlockState, Values]:
     """Let blocks leave the ground, where the path has this normal.
 
     A block that rolled has its section over the point that it touched, turning about it
     without slip, with the energy of the round block. It flies if it is fast enough for
-    that. A block that slid flies as it lies.
+    that. A block that slid flies as it lies. Those that do not fly, by the second
+    result, roll on.
     """
     mass, inertia = constants.mass_properties
     direction, body, rolls = block.direction, block.body, block.is_rolling
@@ -185,37 +177,29 @@ def take_off(
         v_y=-v_t * normal_x - v_n * normal_y,
         angular_velocity=jnp.where(rolls, spin, 0.0),
     )
-    return TakeOff(flying, loose | ~rolls)
-
-
-class Corner(NamedTuple):
-    """Corner of the path of a block's centre; directions are normals out of the
-    ground."""
-
-    here_x: Values  # normal of the path along which the block came
-    here_y: Values
-    ahead_x: Values  # normal of the plane that it strikes
-    ahead_y: Values
-    segment: Values  # number of the segment that it strikes
+    return flying, loose | ~rolls
 
 
 @closed_form
 def strike_corner(
-    block: BlockState, constants: BlockConstants, corner: Corner
+    block: BlockState,
+    constants: BlockConstants,
+    here: tuple[Values, Values],
+    ahead: tuple[Values, Values],
+    segment: Values,
 ) -> BlockState:
-    """Let a block strike the ground ahead, with its velocity along the path.
+    """Let a block strike the ground ahead, with its velocity along the path; directions
+    are normals, of the path along which it came and of the plane on the segment ahead.
 
     The round block strikes; where the ellipse in its place would turn away from the
     plane, it does so along its nearest axis.
     """
     direction, body = block.direction, block.body
-    speed = block.speed
+    speed, (here_x, here_y), (sin, cos) = block.speed, here, ahead
     height = constants.centre_height(block.rolls)
     spin = jnp.where(block.is_rolling, direction * speed / height, 0.0)
-    sin, cos = corner.ahead_x, corner.ahead_y
     slope = jnp.arctan2(sin, cos)
-    turn = direction * (corner.here_x * cos - corner.here_y * sin)
-    closing = speed * turn
+    closing = speed * (direction * (here_x * cos - here_y * sin))
     theta = body.orientation - slope
     _, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     small = small_speed(constants.outline.smallest, slope)
@@ -223,14 +207,14 @@ def strike_corner(
     theta = jnp.where(closing + arm * spin < small, upright, theta)
     reach, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     return block._replace(
-        segment=corner.segment,
+        segment=segment,
         phase=jnp.full_like(block.phase, float(Phase.touching)),
         normal_x=sin,
         normal_y=cos,
         gap=height - reach,
     ).moved(
-        v_x=direction * speed * corner.here_y,
-        v_y=-direction * speed * corner.here_x,
+        v_x=direction * speed * here_y,
+        v_y=-direction * speed * here_x,
         angular_velocity=spin,
         orientation=theta + slope,
     )
