@@ -5,8 +5,9 @@ import copy
 import dataclasses
 import json
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -99,20 +100,19 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     # The regression takes the nearest 20 %, and needs 25 for each coefficient.
     data_sets = whole(top[FIT], numbers, "data_sets", DATA_SETS, 200)
     soil = GroundInput.read(path, content).soil
-    ground = typed(top, content, "ground", dict, {})
-    merged = copy.deepcopy(content)
-    of_law = _read_law_parameters(top, fit, merged)
-    parameters = (*_read_parameters(top, fit, ground, soil), *of_law)
+    parameters = tuple(
+        _parameter(top, *prior) for prior in _priors(top, content, fit, soil)
+    )
     if not parameters:
         raise top[FIT].error("names no parameter to fit")
-    _merge(merged.setdefault("ground", {}), fit)
-    slope = read_slope_input(path, merged, accuracy)
+    slope = read_slope_input(path, _with_priors(content, fit, parameters), accuracy)
     if len(slope.laws) > 1:
         raise top["contacts"].error(f"names {len(slope.laws)} laws; a fit takes one")
     (law,) = slope.laws
     if isinstance(law.contacts, ClosedForm):
         _warn_of_soil(path, law.name, parameters)
-    fitted = dict.fromkeys((p.column.name for p in of_law), "fitted")
+    of_law = [p.column.name for p in parameters if p.key.startswith(CONTACTS)]
+    fitted = dict.fromkeys(of_law, "fitted")
     law = law._replace(description=law.description | fitted)
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
@@ -150,52 +150,39 @@ def _warn_of_soil(path: Path, law: str, parameters: Iterable[SlopeParameter]) ->
             )
 
 
-def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[SlopeParameter]:
-    """Take the priors of a contact law out of `fit`, and put their medians into the
-    study, which must have a value for each."""
-    if CONTACTS not in fit:
-        return []
-    priors = typed(top[FIT], fit, CONTACTS, dict)
-    del fit[CONTACTS]
-    table = typed(top, merged, CONTACTS, dict, {})
-    columns, parameters = columns_of_law(top, table), []
-    if not columns:
-        raise top[FIT][CONTACTS].error(
-            "is for a law in closed form, with parameters of its own"
-        )
-    for name, value in priors.items():
-        if name not in columns:
-            raise unknown(top[FIT][CONTACTS], name, columns)
-        parameters.append(_parameter(top, f"{CONTACTS}.{name}", value, columns[name]))
-        table[name] = float(parameters[-1].prior.values(ENDS)[1])
-    return parameters
-
-
-def _read_parameters(
-    top: Key, fit: dict, ground: dict, soil: Soil
-) -> tuple[SlopeParameter, ...]:
-    """Read the priors; InputError for names that are unknown and for what is no
-    prior."""
-    columns, parameters = ground_columns(soil), []
-    for name, value in fit.items():
-        if name not in PARTS:
-            if name not in columns:
-                known = (*columns, *PARTS, CONTACTS, "data_sets")
-                raise unknown(top[FIT], name, known)
-            parameters.append(_parameter(top, f"ground.{name}", value, columns[name]))
-            continue
-        for part, quantities in typed(top[FIT], fit, name, dict).items():
-            where = top[FIT][name][part]
-            known = ground.get(name, {})
-            if name == "materials" and part not in known:
-                hint = f"; did you mean {nearest(part, known)}?" if known else ""
-                raise where.error(f"is no material of [ground.materials]{hint}")
-            for inner, prior in of_kind(where, quantities, dict).items():
-                if inner not in columns:
-                    raise unknown(where, inner, columns)
-                key = f"ground.{name}.{part}.{inner}"
-                parameters.append(_parameter(top, key, prior, columns[inner]))
-    return tuple(parameters)
+def _priors(
+    top: Key, content: dict, fit: dict, soil: Soil
+) -> Iterator[tuple[str, Any, InputColumn]]:
+    """Yield key, prior and column of each parameter, those of a contact law last;
+    InputError for names that are unknown."""
+    where, ground = top[FIT], typed(top, content, "ground", dict, {})
+    columns = ground_columns(soil)
+    for name in sorted(fit, key=lambda name: name == CONTACTS):
+        if name == CONTACTS:
+            priors = typed(where, fit, CONTACTS, dict)
+            of_law = columns_of_law(top, typed(top, content, CONTACTS, dict, {}))
+            if not of_law:
+                raise where[CONTACTS].error(
+                    "is for a law in closed form, with parameters of its own"
+                )
+            for inner, prior in priors.items():
+                if inner not in of_law:
+                    raise unknown(where[CONTACTS], inner, of_law)
+                yield f"{CONTACTS}.{inner}", prior, of_law[inner]
+        elif name in PARTS:
+            for part, quantities in typed(where, fit, name, dict).items():
+                key, known = where[name][part], ground.get(name, {})
+                if name == "materials" and part not in known:
+                    hint = f"; did you mean {nearest(part, known)}?" if known else ""
+                    raise key.error(f"is no material of [ground.materials]{hint}")
+                for inner, prior in of_kind(key, quantities, dict).items():
+                    if inner not in columns:
+                        raise unknown(key, inner, columns)
+                    yield f"ground.{name}.{part}.{inner}", prior, columns[inner]
+        elif name in columns:
+            yield f"ground.{name}", fit[name], columns[name]
+        else:
+            raise unknown(where, name, (*columns, *PARTS, CONTACTS, "data_sets"))
 
 
 def _parameter(top: Key, key: str, value, column: InputColumn) -> SlopeParameter:
@@ -215,11 +202,19 @@ def _parameter(top: Key, key: str, value, column: InputColumn) -> SlopeParameter
     return SlopeParameter(key, prior, column)
 
 
-def _merge(into: dict, table: dict) -> None:
-    """Put the priors in place of what [ground] says."""
-    for name, value in table.items():
-        if name in PARTS:
-            for part, quantities in value.items():
-                into.setdefault(name, {}).setdefault(part, {}).update(quantities)
-        else:
-            into[name] = value
+def _with_priors(
+    content: dict, fit: dict, parameters: Iterable[SlopeParameter]
+) -> dict:
+    """Put the priors in place of what a study says; of a contact law, which must have a
+    value for each parameter, their medians."""
+    merged = copy.deepcopy(content)
+    for parameter in parameters:
+        *tables, name = parameter.key.split(".")
+        into, prior = merged, fit
+        for inner in tables:
+            into = into.setdefault(inner, {})
+            prior = prior if inner == "ground" else prior[inner]
+        of_law = tables == [CONTACTS]
+        median = float(parameter.prior.values(ENDS)[1])
+        into[name] = median if of_law else prior[name]
+    return merged
