@@ -58,10 +58,8 @@ class Phase(enum.IntEnum):
 class Limits(NamedTuple):
     """Limits of a trajectory, and of the flights that are followed."""
 
-    time: float = TIME_LIMIT
-    """Longest trajectory [s]."""
-    events: int = EVENT_LIMIT
-    """Most contacts and legs."""
+    time: float = TIME_LIMIT  # longest trajectory [s]
+    events: int = EVENT_LIMIT  # most contacts and legs
     hop_threshold: float = HOP_THRESHOLD
     """Height of a flight after a contact or at a break, as a fraction of the block's
     heave, below which it rolls instead."""

@@ -31,14 +31,11 @@ class ObservedValues(NamedTuple):
     """Values of one quantity: places where blocks stopped, or passages of a
     collector."""
 
-    quantity: str
-    """Name with unit: `STOP_COLUMN`, or one of `PASSAGE_COLUMNS`."""
-    place: float | None
-    """x of the collector [m]; None for stopping points."""
+    quantity: str  # name with unit: `STOP_COLUMN`, or one of `PASSAGE_COLUMNS`
+    place: float | None  # x of the collector [m]; None for stopping points
     values: np.ndarray
     """Values in that unit, one for each block that stopped or passed, `(blocks,)`."""
-    held_out: bool = False
-    """True for values that are predicted, and not fitted."""
+    held_out: bool = False  # true for values that are predicted, and not fitted
 
     @property
     def blocks(self) -> int:
@@ -56,11 +53,9 @@ class ObservedValues(NamedTuple):
 class ObservedCount(NamedTuple):
     """Number of blocks that pass a line."""
 
-    place: float
-    """x of the line [m]."""
+    place: float  # x of the line [m]
     passed: int
-    blocks: int
-    """Number of blocks released."""
+    blocks: int  # number of blocks released
 
     @property
     def words(self) -> str:
@@ -82,12 +77,9 @@ class Observations(NamedTuple):
     channels: tuple[Channel, ...]
     sigma: dict[str, float]
     """Standard deviations of the errors of measurement, by column."""
-    released: int
-    """Number of blocks that a data set begins with."""
-    inputs: tuple[Path, ...]
-    """Files that were read."""
-    remarks: tuple[str, ...]
-    """Remarks on what was not used as it stands."""
+    released: int  # number of blocks that a data set begins with
+    inputs: tuple[Path, ...]  # files that were read
+    remarks: tuple[str, ...]  # remarks on what was not used as it stands
 
     @property
     def fitted(self) -> tuple[Channel, ...]:

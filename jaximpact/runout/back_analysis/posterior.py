@@ -48,16 +48,11 @@ class Region(NamedTuple):
 class Searched(NamedTuple):
     """Result of all rounds."""
 
-    pool: Pool
-    """Data sets in the last box."""
-    region: Region
-    """The last box."""
-    volumes: list[float]
-    """Prior probability of the box of each round."""
-    simulated: int
-    """Number of data sets simulated in all."""
-    without: int
-    """Number of them that lack a channel of what was observed."""
+    pool: Pool  # data sets in the last box
+    region: Region  # the last box
+    volumes: list[float]  # prior probability of the box of each round
+    simulated: int  # number of data sets simulated in all
+    without: int  # number of them that lack a channel of what was observed
 
 
 def search(fit: SlopeFit, store: Store | None) -> Searched:
@@ -147,14 +142,10 @@ class FittedParameter:
 
     parameter: SlopeParameter
     median: float
-    low: float
-    """Lower end of the 95 % interval."""
-    high: float
-    """Upper end of it."""
-    prior_low: float
-    """Lower end of the prior's 95 % interval."""
-    prior_high: float
-    """Upper end of it."""
+    low: float  # lower end of the 95 % interval
+    high: float  # upper end of it
+    prior_low: float  # lower end of the prior's 95 % interval
+    prior_high: float  # upper end of it
     ends: tuple[float, float]
     """Ends of the 95 % interval as probabilities under the prior."""
     coverage_68: float
@@ -184,14 +175,10 @@ class Posterior:
     """Posterior of all fitted parameters."""
 
     fitted: tuple[FittedParameter, ...]
-    u: np.ndarray
-    """Samples as probabilities under the priors, `(samples, parameters)`."""
-    values: np.ndarray
-    """Samples in the units of the names, `(samples, parameters)`."""
-    correlation: np.ndarray
-    """Correlations of ranks, `(parameters, parameters)`."""
-    left_out: int
-    """Number of data sets left out, in turn."""
+    u: np.ndarray  # samples as probabilities under the priors, `(samples, parameters)`
+    values: np.ndarray  # samples in the units of the names, `(samples, parameters)`
+    correlation: np.ndarray  # correlations of ranks, `(parameters, parameters)`
+    left_out: int  # number of data sets left out, in turn
 
     def is_too_narrow(self, fitted: FittedParameter) -> bool:
         """Tell whether left-out data sets lie outside the 95 % interval of a parameter

@@ -37,8 +37,7 @@ class ModelCheck(NamedTuple):
 
     probability: float
     """Fraction of predicted data sets whose worst summary deviates as much."""
-    worst: str
-    """Name of the observed summary that deviates most."""
+    worst: str  # name of the observed summary that deviates most
     deviation: float
     """Deviation of that summary from the predicted mean, in predicted standard
     deviations."""
@@ -52,18 +51,12 @@ class ModelCheck(NamedTuple):
 class Curve(NamedTuple):
     """Share of all released blocks that exceed a value at a place."""
 
-    place: float
-    """x [m]."""
-    names: tuple[str, ...]
-    """Barriers there."""
-    quantity: str
-    """Name with unit, one of `PASSAGE_COLUMNS`."""
-    values: np.ndarray
-    """`(values,)`, in that unit."""
-    share: np.ndarray
-    """Fraction of the blocks on all grounds, `(values,)`."""
-    low: np.ndarray
-    """Lower end of the 95 % interval."""
+    place: float  # x [m]
+    names: tuple[str, ...]  # barriers there
+    quantity: str  # name with unit, one of `PASSAGE_COLUMNS`
+    values: np.ndarray  # `(values,)`, in that unit
+    share: np.ndarray  # fraction of the blocks on all grounds, `(values,)`
+    low: np.ndarray  # lower end of the 95 % interval
     high: np.ndarray
     design: dict[int, tuple[float, float, float]]
     """Each percentile of the blocks that arrive, and the ends of its interval."""
@@ -97,10 +90,8 @@ class Predicted(NamedTuple):
     channels: tuple[ChannelPrediction, ...]
     curves: tuple[Curve, ...]
     barriers: tuple[BarrierEstimates, ...]
-    draws: int
-    """Number of grounds, samples of the posterior."""
-    blocks: int
-    """Number of blocks released on each."""
+    draws: int  # number of grounds, samples of the posterior
+    blocks: int  # number of blocks released on each
 
 
 def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predicted:

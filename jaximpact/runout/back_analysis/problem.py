@@ -37,10 +37,8 @@ ENDS = np.array([1e-9, 0.5, 1.0 - 1e-9])
 class SlopeParameter:
     """Parameter of the ground, or of a contact law in closed form, that is fitted."""
 
-    key: str
-    """Key in the study: ground.materials.scree.gamma_v, or contacts.e_n."""
-    prior: Distribution
-    """Prior, in the unit of the name."""
+    key: str  # key in the study: ground.materials.scree.gamma_v, or contacts.e_n
+    prior: Distribution  # prior, in the unit of the name
     column: InputColumn
 
     @property
@@ -60,8 +58,7 @@ class SlopeFit:
     parameters: tuple[SlopeParameter, ...]
     observed: Observations
     barriers: tuple[Barrier, ...]
-    data_sets: int
-    """Number of data sets behind the posterior."""
+    data_sets: int  # number of data sets behind the posterior
     identity: str
     """Text that names what simulated data sets depend on beside the candidates."""
 
