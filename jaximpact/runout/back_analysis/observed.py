@@ -113,10 +113,12 @@ def read_observed(
     remarks: list[str] = []
     places = typed(key, table, "held_out_m", list, [])
     held_out = [number(key["held_out_m"], x) for x in places]
-    for name, read in (("stops", _stops), ("passages", _passages)):
-        if name in table:
-            inputs.append(path.parent / typed(key, table, name, str))
-            channels += read(inputs[-1], profile, held_out, remarks)
+    if "stops" in table:
+        inputs.append(path.parent / typed(key, table, "stops", str))
+        channels += _stops(inputs[-1], profile, remarks)
+    if "passages" in table:
+        inputs.append(path.parent / typed(key, table, "passages", str))
+        channels += _passages(inputs[-1], profile, held_out, remarks)
     for x in held_out:
         if x not in {channel.place for channel in channels}:
             raise key["held_out_m"].error(f"holds {x:g}, where no passage is")
@@ -156,9 +158,7 @@ def _thinned(channel: Channel, share: float, rng: np.random.Generator) -> Channe
     return channel._replace(values=rng.choice(channel.values, size, replace=False))
 
 
-def _stops(
-    file: Path, profile: Profile, _held_out: list[float], remarks: list[str]
-) -> list[ObservedValues]:
+def _stops(file: Path, profile: Profile, remarks: list[str]) -> list[ObservedValues]:
     columns, lines = _columns(file, STOP_COLUMN, (), remarks)
     x = columns[STOP_COLUMN]
     for line, place in zip(lines, x, strict=True):

@@ -38,6 +38,9 @@ MOST_CELLS = 5_000
 """Largest number of cells of a field: a block that rolls takes an event for each, and
 has 10 000 unless the study says otherwise."""
 
+Quantities = dict[str, Quantity | RandomField]
+"""Quantities of the ground by their keys in the file."""
+
 
 class GroundPart(NamedTuple):
     """Part of the slope with quantities of its own: a segment or a material."""
@@ -85,7 +88,7 @@ class GroundInput(NamedTuple):
 
     path: Path
     soil: Soil  # gives the laws; values are in the other fields
-    quantities: dict[str, Quantity | RandomField]
+    quantities: Quantities
     parts: dict[str, GroundPart]  # by keys under [ground]: materials.scree
     calibrated: Calibrated | None  # to sample the rest from
 
@@ -185,17 +188,18 @@ class GroundInput(NamedTuple):
         return Ground(*with_ground_values(profile.soil, by_name), seed)
 
 
-Read = tuple[GroundPart, dict[str, Quantity | RandomField]]
-
-
-def _segment(table: Key, name: str, values, soil: Soil) -> Read:
+def _segment(
+    table: Key, name: str, values, soil: Soil
+) -> tuple[GroundPart, Quantities]:
     if not re.fullmatch("[1-9][0-9]*|0", name):
         raise table[name].error("must be the number of a segment")
     values = of_kind(table[name], values, dict)
     return GroundPart(name, int(name) - 1), _quantities(table[name], values, soil)
 
 
-def _material(table: Key, name: str, values, soil: Soil) -> Read:
+def _material(
+    table: Key, name: str, values, soil: Soil
+) -> tuple[GroundPart, Quantities]:
     key = table[name]
     if not re.fullmatch("[A-Za-z0-9_-]+", name):
         raise key.error("must be a name of letters, digits, _ and -")
@@ -207,9 +211,7 @@ def _material(table: Key, name: str, values, soil: Soil) -> Read:
     return GroundPart(name, ends=tuple(ends) or None), quantities
 
 
-def _quantities(
-    table: Key, values: dict, soil: Soil, others: tuple = ()
-) -> dict[str, Quantity | RandomField]:
+def _quantities(table: Key, values: dict, soil: Soil, others: tuple = ()) -> Quantities:
     """Read quantities of the ground from a table that may hold other keys too."""
     columns = ground_columns(soil)
     for name in values:
