@@ -102,10 +102,10 @@ def machine_code_along(scene, times, solver=None):
 
     def step(state):
         lanes, widths = state
-        state, _ = advance(lanes.problem, lanes.state, lanes.time, widths[0], solver)
+        after, _ = advance(lanes.problem, lanes.state, lanes.time, widths[0], solver)
         time = lanes.time + widths[0]
         widths = jnp.concatenate([widths[1:], jnp.zeros_like(widths[:1])])
-        lanes = lanes._replace(state=state, time=time, accepted=lanes.accepted + 1)
+        lanes = lanes._replace(state=after, time=time, accepted=lanes.accepted + 1)
         return (lanes, widths), widths[0] > 0.0
 
     def finish(inputs, state):
