@@ -25,6 +25,8 @@ from .observed import PASSAGE_COLUMNS, PER_PLACE, ObservedValues
 from .posterior import TAILS, Posterior, Searched
 from .problem import SlopeFit
 
+LEAST_BLOCKS = 200
+"""Least number of blocks released for each data set: enough for percentiles of 95."""
 STREAM = 100
 """Stream of random numbers of predictions, which no round has."""
 RARE = 0.01
@@ -97,8 +99,8 @@ class Predicted(NamedTuple):
 def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predicted:
     """Simulate data sets for samples of the posterior, and compare and count."""
     released = fit.observed.released
-    # Five data sets on each of 100 grounds, large enough for percentiles of 95.
-    size = max(released, 200)
+    # Five data sets on each of 100 grounds.
+    size = max(released, LEAST_BLOCKS)
     blocks = 5 * size
     outcomes = simulate_data_sets(
         fit=fit,
