@@ -5,7 +5,8 @@ import json
 import sys
 
 import numpy as np
-import pyogrio
+import pandas as pd
+import pyogrio.raw
 import pytest
 import shapely
 from error_messages import warned_once
@@ -24,8 +25,9 @@ LAYER = Layer(
     name="lines",
     is_line=True,
     positions=[np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.5]]), np.zeros((0, 3))],
-    properties=[{"block": 0, "name": 'a "b"'}, {"block": 1, "m": 2.0}],
-    kinds={"block": int, "name": str, "m": float},
+    properties=pd.DataFrame(
+        {"block": [0, 1], "name": ['a "b"', None], "m": [np.nan, 2.0]}
+    ),
 )
 
 
@@ -182,7 +184,7 @@ def test_a_place_in_switzerland(tmp_path):
     and 7 26 19.08 E of WGS 84 (swisstopo, Formulas and constants), to the metre."""
     path = tmp_path / "a.geojson"
     bern = [np.array([[2600000.0, 1200000.0, 550.0]])]
-    write_geojson(path, Layer("points", False, bern, [{}], {}), 2056)
+    write_geojson(path, Layer("points", False, bern, pd.DataFrame(index=[0])), 2056)
     (found,) = json.loads(path.read_text(encoding="utf-8"))["features"]
     longitude, latitude, height = found["geometry"]["coordinates"]
     assert longitude == pytest.approx(7 + 26 / 60 + 19.08 / 3600, abs=1e-5)
