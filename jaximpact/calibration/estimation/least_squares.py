@@ -144,7 +144,7 @@ def _fit_one(
                 bounds=(low, high),
                 ftol=_least_fall(objective, tolerance),
                 xtol=tolerance.step,
-                gtol=None,
+                gtol=None,  # pyright: ignore[reportArgumentType]
                 max_nfev=tolerance.evaluations,
             )
         # The method stays off the bounds that it approaches.
