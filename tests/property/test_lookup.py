@@ -105,7 +105,7 @@ def test_at_its_nodes_a_table_is_the_model(which, request):
         # which changes it within its tolerance: more often on faces of 89 degrees.
         assert np.median(error) < 1e-9
         assert np.quantile(error, 0.95) < 1e-5
-        assert np.max(error) < 1e-3
+        assert np.max(error) < 1e-2
     if which == "of_sphere":
         error = measure_error(table, impact)
         assert error.impacts == np.sum(blows.outcome != Outcome.failed)
