@@ -102,9 +102,10 @@ def test_at_its_nodes_a_table_is_the_model(which, request):
         error = np.abs(np.asarray(found)[same] - model[same])
         error /= 1.0 + size + np.abs(model[same])
         # Coordinates to rounding; and by rounding the model may take another step,
-        # which changes it within its tolerance.
-        assert np.quantile(error, 0.95) < 1e-7
-        assert np.max(error) < 1e-3
+        # which changes it within its tolerance: more often on faces of 89 degrees.
+        assert np.median(error) < 1e-9
+        assert np.quantile(error, 0.95) < 1e-5
+        assert np.max(error) < 1e-2
     if which == "of_sphere":
         error = measure_error(table, impact)
         assert error.impacts == np.sum(blows.outcome != Outcome.failed)
