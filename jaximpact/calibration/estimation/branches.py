@@ -1,4 +1,4 @@
-r"""Branches of the impacts: where predictions jump, and the best fit beside a jump.
+r"""Branches of the impacts: where predictions jump.
 
 A contact ends where the normal force comes down to zero. Where it only nearly does, the
 block falls back, and ends later with other velocities: the prediction of that test
@@ -8,14 +8,13 @@ sigmas from what the derivatives at the fit predict,
 
 $$ | y(x) - \hat y - J (x - \hat x) | > 3 \sigma . $$
 
-The lowest cost may lie at such a jump. Fits by derivatives stop somewhere along it;
-`descend_on_branches` goes on along it.
+The lowest cost may lie at such a jump. Fits by derivatives stop somewhere along it; a
+search about them goes on (`search.fit_beside_jump`).
 """
 
 import numpy as np
 
 from ..problem.objective import Objective, Points
-from .least_squares import Tolerance
 
 JUMP = 3.0
 """Sigmas by which a prediction differs from the linear one beyond a jump."""
@@ -23,24 +22,12 @@ DRAWS = 64
 """Points about a fit at which jumps are looked for."""
 NEAR = 0.02
 """Fraction of these points beyond a jump from which a measurement is near it."""
-STEPS, ROUNDS = 256, 12
-"""Steps that are tried side by side along a jump, and how often."""
-LEAST, MOST = 0.005, 1.5
-"""Distances, in standard errors, of steps from the way to the linear minimum."""
-AT_A_TIME = 4
-"""Number of points whose costs are computed at full accuracy at a time."""
 HALVINGS = 10
 """Number of halvings of the way to a point, which tell a jump from curvature."""
 SHARES_AGAIN = 3
 """Number of searches for tests near a jump."""
-LEAPS = 6
-"""Number of restarts of a fit from a point of lower cost beyond a jump."""
-BEYOND = Tolerance(promise=1e-3, step=1e-4, evaluations=12)
-"""Where these fits may end."""
 MEDIAN = 0.455
 """Median of the square of a standard normal number."""
-PROMISE = 5e-3
-"""Predicted fall of the cost, in s^2, that is not worth a step."""
 
 
 def jumped(objective: Objective, fit: Points, points: Points) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The fit of a study: search, fits from the best places, descent along jumps."""
+"""The fit of a study: a search, fits from its best places, searches beside jumps."""
 
 import numpy as np
 
