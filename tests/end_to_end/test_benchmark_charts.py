@@ -310,7 +310,7 @@ def test_every_way_inside_jax_is_measured(monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        ("--out out --only work-precison", ["did you mean 'work-precision'"]),
+        ("--out out --only work-precison", ["did you mean work-precision?"]),
         ("--out out --peers .", ["--peers", "*_peer.py"]),
         ("--out file/out", ["--out"]),
     ],

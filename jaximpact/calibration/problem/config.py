@@ -6,7 +6,7 @@ import itertools
 import operator
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,12 +15,7 @@ from ...errors import InputError, nearest
 from ...io.checks import check_memory
 from ...io.toml import Key, check_keys, choice, known_table, load_toml, typed, whole
 from ...parameters import Part
-from ...quantities import (
-    CURVE_COLUMNS,
-    SLOTS,
-    InputColumn,
-    columns_of,
-)
+from ...quantities import CURVE_COLUMNS, SLOTS, InputColumn, columns_of
 from ...scene import Scene
 from .candidates import Candidates, read_candidates
 from .dataset import Measurements, read_tests
@@ -37,6 +32,8 @@ KEYS = (
     *("scatter", "weights", "variants", "further_tests", "compare"),
 )
 TOML = ".toml"
+SLOPE_KEYS = ("profile", "observed")
+"""Keys of which a study of a slope has one, and one of impacts none."""
 METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
 STARTS = 64
 ACCURACY = "reference"
@@ -147,10 +144,6 @@ class Study:
         return self.known & (self.censored == 0)
 
 
-SLOPE_KEYS = ("profile", "observed")
-"""Keys of which a study of a slope has one, and one of impacts none."""
-
-
 class SlopeStudyError(InputError):
     """A study of a slope where one of impacts is read."""
 
@@ -246,21 +239,21 @@ def _compare(top: Key, content: dict) -> CompareTable | None:
     """Read the table `compare`; None where there is none."""
     if "compare" not in content:
         return None
-    names, entries = {}, known_table(top, content, "compare", CompareTable._fields)
-    for key, given in entries.items():
-        given = [given] if isinstance(given, str) else given
-        if not isinstance(given, list) or not all(isinstance(n, str) for n in given):
-            raise top["compare"][key].error(
-                f"must be a name or a list of names, but is {given!r}"
-            )
-        names[key] = tuple(given)
-    return CompareTable(**names)
+    key = top["compare"]
+    entries = known_table(top, content, "compare", CompareTable._fields)
+    return CompareTable(**{n: _texts(key[n], v, "name") for n, v in entries.items()})
+
+
+def _texts(key: Key, value: Any, what: str) -> tuple[str, ...]:
+    texts = [value] if isinstance(value, str) else value
+    if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+        raise key.error(f"must be a {what} or a list of {what}s, but is {value!r}")
+    return tuple(texts)
 
 
 def _held(
     top: Key, content: dict, whole: str, columns: Mapping[str, InputColumn]
 ) -> dict[str, float]:
-    """Read the numbers of the table `soil` or `block`."""
     entries = typed(top, content, whole, dict, {})
     values = {n: v for n, v in entries.items() if SLOTS.get(n) != whole}
     known = {name: c for name, c in columns.items() if c.part == whole}
@@ -268,14 +261,12 @@ def _held(
 
 
 def _data(top: Key, content: dict) -> list[Path]:
-    """List the tables that a study names."""
     key, directory = top["data"], top.file.parent
     if "data" not in content:
         raise key.error("is missing; it names the table of tests")
-    given = content["data"]
-    names = given if isinstance(given, list) else [given]
-    if not names or not all(isinstance(name, str) for name in names):
-        raise key.error(f"must be a file or a list of files, but is {given!r}")
+    names = _texts(key, content["data"], "file")
+    if not names:
+        raise key.error("names no table of tests")
     for first, second in itertools.combinations(names, 2):
         if _is_same(directory / first, directory / second):
             raise key.error(f"names one file twice: {first} and {second}")
@@ -283,7 +274,6 @@ def _data(top: Key, content: dict) -> list[Path]:
 
 
 def _is_same(first: Path, second: Path) -> bool:
-    """Test whether two paths lead to one file, by links too."""
     try:
         return first == second or first.samefile(second)
     except (OSError, ValueError):  # reported where it is read
