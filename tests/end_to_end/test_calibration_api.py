@@ -176,7 +176,7 @@ def test_new_tests_are_predicted(found, new):
     width = variant.model_high - variant.model_low
     assert np.all(width[1, 0] > 2.0 * width[drops, 0])
     assert "speed_mps 40 (fitted: 6 to 25) in fast." in text
-    assert "angle_deg 75 (fitted: 0 to 0) in steep." in text
+    assert "angle_deg 75 (fitted: 0 alone) in steep." in text
     assert "near" not in text.split("\n\n")[0]
     assert "8 of 8 measurements lie within their 95 % intervals" in text
 
