@@ -9,7 +9,6 @@ import pytest
 from calibrated_twin import results_of_model
 from calibration_studies import Linear, fit, objective_of, study_of_columns
 from error_messages import assert_one_line_error
-from scipy.optimize import lsq_linear
 from scipy.stats import lognorm
 
 from jaximpact import PRESETS
@@ -34,8 +33,6 @@ from jaximpact.calibration.diagnostics.posterior import Chains, Draws
 from jaximpact.calibration.diagnostics.predictive import bands_of
 from jaximpact.calibration.diagnostics.residuals import residuals_of
 from jaximpact.calibration.diagnostics.uncertainty import estimate, regular_covariance
-from jaximpact.calibration.estimation.least_squares import bounded_step
-from jaximpact.calibration.problem.objective import Points
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io.files import replacing
@@ -70,35 +67,6 @@ def line(count, seed=0, campaigns=None):
     matrix = np.stack([np.ones(count), z], axis=1)
     noise = SIGMA * np.random.default_rng(seed).normal(size=count)
     return matrix, 0.2 + 0.3 * z + noise
-
-
-def test_a_step_between_bounds_is_the_least():
-    """Against SciPy, with unknowns correlated up to 0.999999: sweeps over the unknowns
-    end far from the least there, and even above the start."""
-    random = np.random.default_rng(1)
-    for _ in range(100):
-        size = int(random.integers(2, 6))
-        scale = 10.0 ** random.uniform(-3, 0, size)
-        root = random.normal(size=(size + 1, size)) * scale
-        root = root @ (1.0 + 1e-3 * random.normal(size=(size, size)))
-        residual = random.normal(size=size + 1)
-        down = -random.random(size) * (random.random(size) < 0.7)
-        up = random.random(size)
-        points = Points(
-            *[np.zeros((1, 0))] * 2,
-            (root.T @ residual)[None],
-            (root.T @ root)[None],
-            *[np.zeros((1, 0))] * 3,
-        )
-        step, promise = bounded_step(
-            points, np.ones((1, size), bool), down[None], up[None], np.zeros(1)
-        )
-        assert np.all((step[0] >= down) & (step[0] <= up))
-        down = np.minimum(down, -1e-300)  # SciPy wants room
-        best = lsq_linear(root, -residual, (down, up), method="bvls", tol=1e-14)
-        fall = 0.5 * residual @ residual - best.cost
-        # Both add rounding; ours a part of 1e-12 to the curvature too.
-        assert promise[0] == pytest.approx(fall, rel=1e-4, abs=1e-9)
 
 
 def test_bounds_as_a_weak_prior():

@@ -294,7 +294,7 @@ def test_intervals_cover_what_is_measured_next():
     for _ in range(REPEATS):
         noisy, anew = truth + noise * random.normal(size=(2, 8, 2))
         study = study_of(noisy)
-        objective, _, best = best_fit(Objective(study, study.variants[0], engine))
+        objective, best, *_ = best_fit(Objective(study, study.variants[0], engine))
         uncertainty = estimate(objective, best.points)
         draws = draw(objective, best.points, uncertainty.inflation, count=128)
         bounds = objective.bounds

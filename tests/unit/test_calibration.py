@@ -12,24 +12,20 @@ from jaximpact.calibration.diagnostics.identifiability import combination, judge
 from jaximpact.calibration.diagnostics.jumps import in_words as jumps_in_words
 from jaximpact.calibration.diagnostics.jumps import judge, shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.branches import (
-    descend_on_branches,
-    jump_shares,
-    jumped,
-)
+from jaximpact.calibration.estimation.branches import jump_shares, jumped
+from jaximpact.calibration.estimation.evolution import Population, search, spread
 from jaximpact.calibration.estimation.least_squares import (
-    FINE,
     Fits,
     Reason,
     bounded_step,
-    levenberg_marquardt,
+    least_squares,
 )
-from jaximpact.calibration.estimation.starts import (
+from jaximpact.calibration.estimation.search import (
     fit,
-    fit_starts,
+    fit_along,
+    fit_places,
     label_minima,
-    polish,
-    spread_starts,
+    refine,
 )
 from jaximpact.calibration.problem.bounds import Bounds
 from jaximpact.calibration.problem.objective import Objective, Points, start_of
@@ -67,30 +63,33 @@ def test_bounds_are_noticed():
     assert reached == [["lower", None], [None, "upper"]]
 
 
-def test_starts_are_spread_and_repeat():
-    bounds, nothing = some_bounds(), np.zeros(2)
-    given = bounds.coordinate([1.0, 0.5])
-    free = np.full(2, np.inf)
-    starts = spread_starts(bounds, given, nothing, free, 9, seed=3)
-    again = spread_starts(bounds, given, nothing, free, 9, seed=3)
-    np.testing.assert_array_equal(starts, again)
-    other = spread_starts(bounds, given, nothing, free, 9, seed=4)
-    assert not np.array_equal(starts, other)
-    np.testing.assert_array_equal(starts[0], given)
-    strata = np.floor((bounds.fraction(starts[1:]) - 0.02) / 0.96 * 8).astype(int)
+def spreading(count, seed=0, prior=None):
+    """Candidates of a study of c_v and k_E, and the bounds."""
+    k_e = {"lower": 10.0, "upper": 1e4} | ({"prior": prior} if prior else {})
+    content = {"parameters": {"c_v": {}, "k_E": k_e}, "seed": seed}
+    study = study_of_columns({"mass_kg": 1.0, "e_n": np.zeros(3)}, **content)
+    objective = Linear(study)
+    return objective, spread(objective, count)
+
+
+def test_candidates_are_spread_and_repeat():
+    objective, candidates = spreading(9, seed=3)
+    np.testing.assert_array_equal(spreading(9, seed=3)[1], candidates)
+    assert not np.array_equal(spreading(9, seed=4)[1], candidates)
+    np.testing.assert_array_equal(candidates[0], start_of(objective.study))
+    fraction = objective.bounds.fraction(candidates[1:])
+    strata = np.floor((fraction - 0.02) / 0.96 * 8).astype(int)
     for column in strata.T:  # each stratum once
         np.testing.assert_array_equal(np.sort(column), np.arange(8))
-    assert spread_starts(bounds, given, nothing, free, 1, seed=0).shape == (1, 2)
+    assert spreading(1)[1].shape == (1, 2)
 
 
-def test_starts_follow_a_prior():
-    bounds, given = some_bounds(), np.zeros(2)
-    sd = np.array([np.inf, 0.1])
-    starts = spread_starts(bounds, given, np.array([0.0, 1.0]), sd, 200, seed=0)
-    values = bounds.parameter(starts[1:])[:, 1]
+def test_candidates_follow_a_prior():
+    objective, candidates = spreading(200, prior={"mean": 1000.0, "sd": 100.0})
+    values = objective.bounds.parameter(candidates[1:])[:, 1]
     # A sample of 199, in strata: its moments are far closer than those of chance.
-    assert np.mean(values) == pytest.approx(1.0, abs=0.005)
-    assert np.std(values) == pytest.approx(0.1, abs=0.005)
+    assert np.mean(values) == pytest.approx(1000.0, rel=0.005)
+    assert np.std(values) == pytest.approx(100.0, rel=0.05)
 
 
 class Valley:
@@ -98,27 +97,30 @@ class Valley:
 
     bounds = Bounds(np.array([-5.0, -5.0]), np.array([5.0, 5.0]), np.zeros(2, bool))
 
-    def __call__(self, x, free=None):
+    def __call__(self, x):
         a, b = self.bounds.parameter(x).T
         residuals = np.stack([10.0 * (b - a**2), 1.0 - a], axis=1)
         rows = np.zeros((len(x), 2, 2))
         rows[:, 0, 0], rows[:, 0, 1], rows[:, 1, 0] = -20.0 * a, 10.0, -1.0
-        return self.points(x, residuals, rows, np.zeros((len(x), 1)))
+        return self.points(x, residuals, rows)
 
-    def points(self, x, residuals, rows, outcomes, more=0.0):
+    def points(self, x, residuals, rows):
         rows = rows * self.bounds.half
         return Points(
             x,
-            0.5 * np.sum(residuals**2, axis=1) + more,
+            0.5 * np.sum(residuals**2, axis=1),
             np.einsum("lrp,lr->lp", rows, residuals),
             np.einsum("lrp,lrq->lpq", rows, rows),
             residuals[:, :, None],
-            outcomes,
+            np.zeros((len(x), 1)),
             rows[:, :, None, :],
         )
 
     def values(self, x):
         return self(x)
+
+    def residuals(self, points):
+        return points.predicted[0, :, 0], points.jacobian[0, :, 0]
 
     def failed(self, predicted):
         return ~np.isfinite(predicted)
@@ -126,65 +128,99 @@ class Valley:
     def variance(self, cost):
         return np.abs(cost)
 
+    def unit(self, cost):
+        return np.maximum(1.0, np.abs(cost))
+
 
 class Cliff(Valley):
     """A slope down to a cliff at a = 0, and no minimum before it."""
 
-    def __call__(self, x, free=None):
+    def __call__(self, x):
         a = self.bounds.parameter(x)[:, 0]
-        beyond = (a < 0.0).astype(float)
-        residuals = np.stack([1.0 + a, 0.0 * a], axis=1)
+        residuals = np.stack([1.0 + a, 15.0 * (a < 0.0)], axis=1)
         rows = np.zeros((len(x), 2, 2))
         rows[:, 0, 0] = 1.0
-        return self.points(x, residuals, rows, beyond[:, None], 100.0 * beyond)
+        return self.points(x, residuals, rows)
 
 
 def test_rosenbrock_from_everywhere():
     """The known minimum (1, 1), from 25 points."""
     grid = np.linspace(-4.0, 4.0, 5)
     x = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2) / 5.0
-    fits = levenberg_marquardt(Valley(), x, None, FINE)
+    fits = least_squares(Valley(), x)
     assert set(fits.reasons) == {Reason.converged}
     found = Valley.bounds.parameter(fits.points.x)
-    # A promise of 1e-10 leaves 1e-5 in the flattest direction, of curvature 0.2.
-    np.testing.assert_allclose(found, 1.0, atol=1e-4)
+    # A promise of 1e-6 leaves 3e-3 in the flattest direction, of curvature 0.2.
+    np.testing.assert_allclose(found, 1.0, atol=3e-3)
 
 
-def test_a_held_unknown_stays():
+def test_a_fixed_unknown_stays():
     x = np.array([[0.1, 0.5]])
-    fits = levenberg_marquardt(Valley(), x, np.array([[True, False]]), FINE)
+    fits = least_squares(Valley(), x, np.array([[True, False]]))
     assert fits.points.x[0, 1] == 0.5
     # b = 2.5: the minimum of 100 (b - a^2)^2 + (1 - a)^2 over a.
     a = Valley.bounds.parameter(fits.points.x)[0, 0]
-    assert -400.0 * a * (2.5 - a**2) - 2.0 * (1.0 - a) == pytest.approx(0.0, abs=1e-2)
+    assert -400.0 * a * (2.5 - a**2) - 2.0 * (1.0 - a) == pytest.approx(0.0, abs=1.0)
 
 
 def test_a_start_at_a_cliff_is_stuck():
     """The cost falls towards a cliff, and there is no minimum before it."""
-    fits = levenberg_marquardt(Cliff(), np.array([[0.3, 0.0]]), None, FINE)
-    assert fits.reasons == [Reason.jump]
+    fits = least_squares(Cliff(), np.array([[0.3, 0.0]]))
+    assert fits.reasons == [Reason.stuck]
     assert not fits.reasons[0].at_minimum
     assert 0.0 <= fits.points.x[0, 0] < 1e-2
 
 
+def test_a_minimum_at_a_bound_is_at_the_bound():
+    """Of the valley with b at most 0: a^2 + 400 a^3 ... its lowest point has b = 0."""
+
+    class Lower(Valley):
+        bounds = Bounds(np.array([-5.0, -5.0]), np.array([5.0, 0.0]), np.zeros(2, bool))
+
+    fits = least_squares(Lower(), Lower.bounds.coordinate([[-2.0, -3.0]]))
+    assert fits.reasons[0].at_minimum
+    assert fits.points.x[0, 1] == Lower.bounds.high[1]
+    a = Lower.bounds.parameter(fits.points.x)[0, 0]
+    # The derivative of 50 a^4 + (1 - a)^2 / 2.
+    assert 200.0 * a**3 - (1.0 - a) == pytest.approx(0.0, abs=1e-2)
+
+
 def test_a_step_keeps_to_the_bounds_and_goes_down():
     """Against all corners and edges of a correlated quadratic, by brute force."""
-    random = np.random.default_rng(0)
-    root = random.normal(size=(40, 3, 3))
-    hessian = np.einsum("lpq,lrq->lpr", root, root) + 1e-3 * np.eye(3)
-    gradient = random.normal(size=(40, 3))
-    down, up = -random.random((40, 3)), random.random((40, 3))
-    nothing = np.zeros((40, 0))
-    points = Points(nothing, nothing, gradient, hessian, nothing, nothing, nothing)
-    step, promise = bounded_step(points, np.ones((40, 3), bool), down, up, np.zeros(40))
-    assert np.all((step >= down) & (step <= up))
+    random, nothing = np.random.default_rng(0), np.zeros((1, 0))
     parts = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 21)] * 3), -1).reshape(-1, 3)
-    for lane in range(40):
-        grid = down[lane] + parts * (up[lane] - down[lane])
-        model = grid @ gradient[lane] + 0.5 * np.einsum(
-            "gp,pq,gq->g", grid, hessian[lane], grid
+    for _ in range(40):
+        root, gradient = random.normal(size=(3, 3)), random.normal(size=3)
+        hessian = root @ root.T + 1e-3 * np.eye(3)
+        down, up = -random.random(3), random.random(3)
+        bounds = SimpleNamespace(low=down, high=up)
+        points = Points(
+            *(np.zeros((1, 3)), nothing, gradient[None]),
+            *(hessian[None], nothing, nothing, nothing),
         )
-        assert promise[lane] >= -np.min(model) - 1e-3
+        step, promise = bounded_step(SimpleNamespace(bounds=bounds), points)
+        assert np.all((step >= down) & (step <= up))
+        grid = down + parts * (up - down)
+        model = grid @ gradient + 0.5 * np.einsum("gp,pq,gq->g", grid, hessian, grid)
+        assert promise >= -np.min(model) - 1e-3
+
+
+@pytest.mark.parametrize("loss", ["gaussian", "soft-l1", "student"])
+def test_half_the_sum_of_squares_is_the_cost(loss):
+    """Of measurements, limits, a prediction that is missing, and one that is exact; the
+    gradient is that of the residuals."""
+    study = linear_study(5, sigma=0.1)
+    censored = np.array([0, 1, -1, 0, 0])[:, None]
+    study = dataclasses.replace(study, censored=censored, loss=loss)
+    matrix = np.array([[1.0, 0.3], [0.5, -1.0], [0.2, 0.4], [0.0, 0.0], [1.0, 1.0]])
+    objective = Linear(study, matrix=matrix).with_loss(loss)
+    point = objective(np.array([[0.3, 0.2]]))
+    predicted = point.predicted.copy()
+    predicted[0, 4] = np.nan
+    point = objective.evaluate(point.x, predicted, point.outcomes, point.jacobian)
+    residuals, rows = objective.residuals(point)
+    assert 0.5 * np.sum(residuals**2) == pytest.approx(point.cost[0], rel=1e-12)
+    np.testing.assert_allclose(residuals @ rows, point.gradient[0], rtol=1e-12)
 
 
 def linear_study(rows, sigma=None):
@@ -289,16 +325,9 @@ def true_point(objective):
 
 def test_the_same_study_gives_the_same_numbers():
     objective = twin_objective(noise=0.02)
-    x = spread_starts(
-        objective.bounds,
-        start_of(objective.study),
-        objective.prior_mean,
-        objective.prior_sd,
-        6,
-        seed=0,
-    )
-    once, again = fit(objective, x), fit(objective, x)
+    (once, members), (again, others) = fit_places(objective), fit_places(objective)
     np.testing.assert_array_equal(once.points.x, again.points.x)
+    np.testing.assert_array_equal(members.x, others.x)
     assert once.reasons == again.reasons
 
 
@@ -313,52 +342,39 @@ def test_fits_above_the_best_say_so():
     assert reasons[1 - worse] is Reason.converged
 
 
-@pytest.mark.parametrize("agreed", [False, True])
-def test_starts_left_behind_search_together(monkeypatch, agreed):
-    """Those near the best stay; of the others those whose members came to the place of
-    the best one are at the fit from there, or all if most members did."""
-    study = linear_study(3, sigma=0.1)
-    objective = Linear(study, matrix=np.eye(3)[:, :2])
-    stuck, ended = Reason.stuck, Reason.converged
-    # Of the starts 0 is the best, 4 within a tenth of sigma from it.
-    rounds = [
-        (
-            [[0.2, 0.0], [0.5, 0.0], [0.9, 0.0], [0.6, 0.0], [0.21, 0.0]],
-            [ended, stuck, Reason.jump, ended, stuck],
-        ),
-        ([[0.1, 0.0], [0.05, 0.0]], [stuck, ended]),
-    ]
-    begun = []
+def test_places_of_a_population():
+    x = np.array([[0.0, 0.0], [0.2, -0.1], [1.0, 0.0], [0.9, 0.2], [0.0, 2.0]])
+    population = Population(x, np.array([1.0, 1.05, 1.5, 2.0, 3.0]), unit=1.0)
+    np.testing.assert_array_equal(population.places(9), x[[0, 2, 4]])
+    np.testing.assert_array_equal(population.places(2), x[[0, 2]])
+    assert population.agreed == 2
+    # One of a cost that the data cannot tell from the lowest agrees too.
+    assert population._replace(unit=5.0).agreed == 3
 
-    def made(objective, x, **how):
-        ends, reasons = rounds[len(begun)]
-        begun.append(x)
-        return Fits(objective(np.array(ends)), reasons, np.full(len(ends), 5))
 
-    def evolved(objective, x, candidates):
-        np.testing.assert_array_equal(x, rounds[0][0])
-        within = (candidates >= objective.bounds.low) & (
-            candidates <= objective.bounds.high
-        )
-        assert np.all(within)
-        assert len(candidates) > 100
-        # The second member is elsewhere, and so does not find the best one.
-        others = [0.32, 0.33] if agreed else [0.7, 0.8]
-        return np.array([[a, 0.0] for a in (0.3, 0.71, 0.31, *others)])
+class Hollows(Linear):
+    """The first prediction has many hollows, which stop fits by derivatives."""
 
-    starts = "jaximpact.calibration.estimation.starts"
-    monkeypatch.setattr(f"{starts}.fit", made)
-    monkeypatch.setattr(f"{starts}.evolve", evolved)
-    monkeypatch.setattr(f"{starts}.polish", lambda objective, fits: fits)
-    monkeypatch.setattr(Objective, "rough", lambda objective: objective)
-    fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt")
-    np.testing.assert_array_equal(begun[1][:2], [[0.3, 0.0], [0.31, 0.0]])
-    third = 0.05 if agreed else 0.9
-    np.testing.assert_array_equal(fits.points.x[:, 0], [0.2, 0.05, third, 0.05, 0.21])
-    of_third = Reason.searched if agreed else Reason.jump
-    assert fits.reasons == [ended, ended, of_third, Reason.searched, stuck]
-    np.testing.assert_array_equal(fits.restarts, [0, 1, int(agreed), 1, 0])
-    np.testing.assert_array_equal(fits.steps, [5, 10, 5 + 5 * agreed, 10, 5])
+    def _predict(self, x, derivatives):
+        predicted, outcomes, jacobian = super()._predict(x, derivatives)
+        predicted[:, 0, 0] += 3.0 * np.sin(20.0 * x[:, 0])
+        jacobian[:, 0, 0, 0] += 60.0 * np.cos(20.0 * x[:, 0])
+        return predicted, outcomes, jacobian
+
+
+@pytest.mark.parametrize("rows", [3, 12])
+def test_a_search_passes_local_minima(rows):
+    """With many measurements by the robust cost, with few by the cost itself."""
+    matrix = np.resize(np.array([[0.1, 0.1], [1.0, 0.0], [0.0, 1.0]]), (rows, 2))
+    objective = Hollows(linear_study(rows, sigma=0.1), matrix=matrix)
+    x = objective.bounds.coordinate([[2.0, 3.0]])
+    study = dataclasses.replace(
+        objective.study, measured=objective.values(x).predicted[0]
+    )
+    objective = objective._changed(study=study)
+    population = search(objective, 24)
+    assert population.agreed >= 12
+    np.testing.assert_allclose(population.x[0], x[0], atol=0.3)
 
 
 class Jumping(Linear):
@@ -381,13 +397,13 @@ def jumping():
 def test_the_best_fit_along_a_jump_is_found():
     """By hand: beside the line x_0 + x_1 = 1, (0.75, 0.25) is nearest to (0.9, 0.4)."""
     objective = jumping()
-    begin = levenberg_marquardt(objective, np.array([[0.2, 0.2]]), None, FINE)
+    begin = fit(objective, np.array([[0.2, 0.2]]))
     assert not begin.reasons[0].at_minimum
-    found = descend_on_branches(objective, begin)
+    found = fit_along(objective, np.array([0.2, 0.2]))
     assert found.reasons == [Reason.edge]
     assert np.sum(found.points.x) <= 1.0
     best = 0.5 * (2.0 * 0.15**2 / 0.1**2)
-    # Sampled steps end within some hundredths of the unit of costs, 1.
+    # A search ends where it falls by a hundredth of the unit of costs, 1.
     assert best <= found.points.cost[0] <= best + 0.05
 
 
@@ -414,9 +430,7 @@ def test_a_fit_beside_a_jump_that_accuracy_moves_stays_beside_it():
     first test is 1000 sigmas from its measurement."""
     of_study = jumping()
     objective = JumpingDown(of_study.study, matrix=of_study.matrix)
-    x = np.array([[0.2, 0.2]])
-    begin = Fits(objective(x), [Reason.stuck], np.zeros(1, int))
-    found = polish(objective, begin)
+    found = refine(objective, np.array([0.2, 0.2]))
     assert found.reasons == [Reason.edge]
     best = 0.5 * (2.0 * 0.15**2 / 0.1**2)
     assert best <= found.points.cost[0] <= best + 0.05

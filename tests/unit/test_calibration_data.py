@@ -145,7 +145,6 @@ def test_twin_of_two_slopes_that_nobody_measured(predicted):
     25, pulls by what its information is against that of the data."""
     result = fit_study(study(predicted, (1e-5, 1e-5, 1e-5), starts=16)).variants[0]
     assert result.reason.at_minimum
-    assert np.any(result.reached)
     found = result.parameters
     np.testing.assert_allclose(found[:2], TRUE, rtol=1e-4)
     np.testing.assert_allclose(found[2:], SLOPES, atol=1e-2)

@@ -36,7 +36,7 @@ def test_variants_are_fitted_as_they_are_alone(study):
     for place, variant in enumerate(study.variants):
         (alone,) = fit_study(dataclasses.replace(study, variants=(variant,))).variants
         np.testing.assert_array_equal(both[place].parameters, alone.parameters)
-        np.testing.assert_array_equal(both[place].start_costs, alone.start_costs)
+        np.testing.assert_array_equal(both[place].end_costs, alone.end_costs)
         assert any(line.startswith(f"{variant.name}: ") for line in lines)
 
 

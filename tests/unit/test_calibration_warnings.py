@@ -139,12 +139,14 @@ def test_no_freedom_is_none_whatever_rounding_leaves():
     ]
 
 
-def test_no_start_at_the_best_fit_is_said(e_n):
+def test_a_search_that_missed_the_best_fit_is_said(e_n):
     result = fit_study(study(columns(e_n), parameters={"k_E": {}}))
-    reasons = [SimpleNamespace(at_minimum=False) for _ in range(4)]
-    variant = result.variants[0]._replace(start_reasons=reasons)
-    (words,) = warnings_of(result, variant, NOTHING_ELSE)
-    assert words.startswith("No start ended at the best fit")
+    variant = result.variants[0]
+    assert warnings_of(result, variant, NOTHING_ELSE) == []
+    (words,) = warnings_of(result, variant._replace(found_later=True), NOTHING_ELSE)
+    assert words.startswith("The search did not find the best fit")
+    (words,) = warnings_of(result, variant._replace(agreed=3), NOTHING_ELSE)
+    assert words.startswith(f"Only 3 of {variant.members} members")
 
 
 def test_draws_that_all_count_do_not_make_a_bound_normal():

@@ -129,7 +129,7 @@ def fit_law(study: Study, contender: Contender) -> LawFit:
     objective = objective_of(study, contender)
     if not contender.is_rebound and np.all(study.sigma_given):
         objective = objective.no_finer_than_sigmas()
-    objective, _, best = best_fit(objective)
+    objective, best, *_ = best_fit(objective)
     objective = objective.no_finer_than_sigmas()
     points = objective(best.points.x)
     uncertainty = estimate(objective, points)

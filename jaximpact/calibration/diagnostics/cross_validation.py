@@ -24,20 +24,18 @@ import numpy as np
 from scipy.special import bdtr
 
 from ...progress import tell, within
-from ..estimation.least_squares import Reason, StoppingRule, bounded_step
+from ..estimation.least_squares import Reason, Tolerance, bounded_step
+from ..estimation.search import fit
 from ..estimation.sigma import sizes
-from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
 from .posterior import variances
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
 AT_MOST = 60
 """Largest number of fits without a test."""
-LEFT_OUT = StoppingRule(
-    1e-4, 1e-4, 1e-3, 1e-2, rejected=8, flat=1e-3, steps=40, joins=False
-)
-"""Stopping rule of fits to the rest: a hundredth of a standard error, below the error
-of J C J^T. Each fits other data, so that none joins another."""
+LEFT_OUT = Tolerance(promise=1e-3, step=1e-4, evaluations=40)
+"""Where fits to the rest may end: a twentieth of a standard error, below the error of
+J C J^T."""
 SMALL_STEP = 0.2
 """Standard errors below which a Gauss-Newton step replaces the fit: what it lacks is a
 fraction of it, and moves a prediction by a fraction of its error."""
@@ -144,10 +142,8 @@ def leave_out_campaigns(
 def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.ndarray:
     """Compute the Gauss-Newton step in x towards the fit to the rest, shape (groups,
     unknowns), for masks of the tests left out, shape (groups, tests)."""
-    bounds, x = objective.bounds, points.x
-    between = np.ones(x.shape, bool), bounds.low - x, bounds.high - x, np.zeros(1)
     rests = (objective.without(tests).reevaluate(points) for tests in left)
-    return np.array([bounded_step(rest, *between)[0][0] for rest in rests])
+    return np.array([bounded_step(objective, rest)[0] for rest in rests])
 
 
 class Rest(NamedTuple):
@@ -187,7 +183,7 @@ def fits_without(
             best = rest.evaluate(points.x + step, *model)
         else:
             rest = coarser.without(tests)
-            fits = fit(rest, starts, rule=LEFT_OUT)
+            fits = fit(rest, starts, tolerance=LEFT_OUT)
             best, reason = fits.points.take([fits.best]), fits.reasons[fits.best]
         yield Rest(tests, rest, best, reason)
 

@@ -18,6 +18,7 @@ from scipy.special import chdtr
 
 from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import CURVE_COLUMNS
+from ..estimation.evolution import AGREED
 from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, leverages
 from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
@@ -106,7 +107,7 @@ def _examine(
     fit, each = (objective, points, variant.uncertainty), None
     if np.sum(np.any(study.known, axis=1)) > 1:
         each = leave_out_each(*fit)
-    order = np.argsort(variant.start_costs, kind="stable")
+    order = np.argsort(variant.end_costs, kind="stable")
     ends = variant.bounds.coordinate(variant.end_parameters[order])
     campaigns = leave_out_campaigns(*fit, ends)
     tell("further tests")
@@ -185,14 +186,16 @@ def warnings_of(
         lines += [line for line in words if "fewer than chance" in line]
     lines += jumps_in_words(variant, diagnostics.each)
     lines += _doubtful_draws(diagnostics)
-    reached, starts = np.sum(variant.reached), len(variant.start_costs)
-    if reached == 0:
+    if variant.found_later:
         lines.append(
-            "No start ended at the best fit, which was found later: there may be a "
-            "better one."
+            "The search did not find the best fit, which was found later: there may be "
+            "a better one."
         )
-    if reached == 1 and starts > 1:
-        lines.append("Only one start found the best fit: there may be a better one.")
+    if variant.agreed < AGREED * variant.members:
+        lines.append(
+            f"Only {variant.agreed} of {variant.members} members of the search came to "
+            "one place: there may be a better fit."
+        )
     if variant.failed:
         lines.append(f"{variant.failed} predictions could not be computed.")
     return lines

@@ -19,7 +19,7 @@ import numpy as np
 
 from ...progress import within
 from ..estimation.least_squares import ROUGH, Fits
-from ..estimation.starts import fit
+from ..estimation.search import fit
 from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
 from .uncertainty import USELESS_ERROR, Uncertainty
@@ -121,7 +121,7 @@ def _fit_at(
     best = np.repeat(fits.x[:1], len(fixed), axis=0)
     starts = _moved(rough.bounds, best, fixed, np.concatenate(values), follow)
     free = np.arange(len(fits.x[0])) != fixed[:, None]
-    again = fit(rough, starts, free, rule=ROUGH)
+    again = fit(rough, starts, free, tolerance=ROUGH)
     doubtful = np.array([not reason.at_minimum for reason in again.reasons])
     more = again.points.x, again.points.cost, fixed, doubtful
     return _Fixed(*map(np.concatenate, zip(fits, more, strict=True)))
@@ -146,7 +146,7 @@ def _fit_again(rough: Objective, fits: _Fixed, follow: np.ndarray) -> None:
             break
         free = np.arange(x.shape[1]) != fixed[lanes][:, None]
         with within(f"again {number}, "):
-            again = fit(rough, begin, free, rule=ROUGH).points
+            again = fit(rough, begin, free, tolerance=ROUGH).points
         doubtful[:] = False
         for lane, at, new in zip(lanes, again.x, again.cost, strict=True):
             if new < cost[lane] - LOWER * rough.unit(new):
@@ -317,7 +317,7 @@ def judge_all(
         if len(far):
             values = bounds.parameter(np.concatenate([far, x[None]]))[:, place]
             reasons.append(
-                f"starts of equal cost ended between {np.min(values):.3g} and "
+                f"fits of equal cost ended between {np.min(values):.3g} and "
                 f"{np.max(values):.3g}"
             )
         verdicts.append(Verdict(parameter.name, not reasons, "; ".join(reasons)))

@@ -34,11 +34,11 @@ KEYS = (
 TOML = ".toml"
 SLOPE_KEYS = ("profile", "observed")
 """Keys of which a study of a slope has one, and one of impacts none."""
-METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
-STARTS = 64
+METHODS = ("trust-region", "adam", "l-bfgs")
+STARTS = 48
 ACCURACY = "reference"
 """Derivatives of coarser impacts are sometimes wrong by a tenth, so that a fit stops
-beside its minimum. They only rank starts, whatever a study says."""
+beside its minimum. They only search, whatever a study says."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -89,6 +89,7 @@ class Study:
     """Weights of the targets on the losses, shape (targets,)."""
     loss: str = LOSSES[0]
     starts: int = STARTS
+    """Size of the population that searches; 1 for a fit from the start alone."""
     seed: int = 0
     accuracy: str = ACCURACY
     method: str = METHODS[0]

@@ -27,6 +27,11 @@ from .noise import Losses, losses
 FAILED_COST = 5e5
 """Loss, with derivative zero, of a result that could not be computed: large, so that a
 fit keeps away, and finite, so that it does not spoil the sum."""
+TINY = 1e-100
+"""Residuals below, of limits that are kept by far, have no ratio to their slope."""
+STEEP = 1e8
+"""Derivatives of residuals above, as just before a jump, are set to 0 for fits: a step
+that follows them is rounding."""
 AT_ONCE = 50_000
 """Impacts between two lines of progress: bounds time and memory."""
 
@@ -250,6 +255,40 @@ class Objective:
         gradient += np.einsum("lrt,lrtp->lp", slope, rows)
         hessian += np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
         return Points(x, cost, gradient, hessian, predicted, outcomes, jacobian)
+
+    def residuals(self, points: Points) -> tuple[np.ndarray, np.ndarray]:
+        r"""Compute residuals r of points of one lane, and their derivatives.
+
+        Half the sum of their squares is the cost: of a measurement
+        r = sign(u) sqrt(2 w rho), so that losses and limits are least squares too.
+        """
+        predicted, x = points.predicted[0], points.x[0]
+        computed, known = np.isfinite(predicted), self.study.known
+        of = self._losses(predicted)
+        weights = np.where(known, self.study.weights, 0.0)
+        size = np.sqrt(2.0 * weights * np.where(computed, of.value, FAILED_COST))
+        sign = np.where(of.slope < 0.0, -1.0, 1.0)
+        # At u = 0 both vanish; their ratio is the root of the curvature.
+        there = size > TINY
+        ratio = np.where(
+            there,
+            weights * np.abs(of.slope) / np.where(there, size, 1.0),
+            np.sqrt(weights * of.curvature),
+        )
+        ratio = np.where(computed & known, ratio, 0.0)
+        jacobian = points.jacobian[0] * (ratio / self.sigma)[..., None]
+        jacobian = np.where(np.abs(jacobian) > STEEP, 0.0, jacobian)
+        bounds = self.bounds
+        priors = (bounds.parameter(x) - self.prior_mean) / self.prior_sd
+        return (
+            np.concatenate([(sign * size).ravel(), priors]),
+            np.concatenate(
+                [
+                    jacobian.reshape(-1, len(x)),
+                    np.diag(bounds.slope(x) / self.prior_sd),
+                ]
+            ),
+        )
 
     def reevaluate(self, points: Points) -> Points:
         """Evaluate points again whose predictions were weighted with other sigmas."""

@@ -21,14 +21,10 @@ from ..diagnostics.examination import (
 )
 from ..diagnostics.residuals import rms
 from ..diagnostics.results import StudyResult, VariantResult
-from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
 from .parameters import correlated_pairs, nuisance_table, parameter_table, verdict
-
-ONE_ROW = 1e-3
-"""Relative difference of costs within which starts share a row."""
 
 
 def summary(result: StudyResult, examined: list[Examination]) -> Document:
@@ -49,7 +45,7 @@ def summary(result: StudyResult, examined: list[Examination]) -> Document:
                 [
                     "Verdict",
                     *verdict(result, variant),
-                    f"{starts_in_words(variant)}; {variant.reason.words}.",
+                    f"{search_in_words(variant)}; {variant.reason.words}.",
                 ],
             ),
             warning_box(warnings_of(result, variant, diagnostics)),
@@ -259,38 +255,26 @@ def _campaigns(left: LeftOut, values: np.ndarray) -> Table:
     return Table(("campaign", "measurements", "in the band", "mean", "rms"), rows)
 
 
-def starts_in_words(variant: VariantResult) -> str:
-    """Say how many starts found the best fit."""
-    reached, total = int(np.sum(variant.reached)), len(variant.start_costs)
-    together = int(np.sum((variant.start_restarts > 0) & variant.reached))
-    also = f"; {together} of them by a common search, since their own fits ended above"
-    return f"{reached} of {total} starts found the best fit{also if together else ''}"
+def search_in_words(variant: VariantResult) -> str:
+    """Say how far the members of the search agreed."""
+    if not variant.members:
+        return "fitted from the start alone"
+    return f"{variant.agreed} of {variant.members} members of the search agree"
 
 
-def start_table(variant: VariantResult) -> Table:
-    """Write the starts, those of one cost and one reason in a row."""
-    costs, reasons = variant.start_costs, variant.start_reasons
-    names = [of_one.name for of_one in variant.verdicts]
-    joined = np.array([reason is Reason.joined for reason in reasons])
-    groups: list[list[int]] = []
-    for start in np.lexsort((joined, costs)):
-        last = groups[-1][0] if groups else start
-        alike = reasons[start] in (Reason.joined, reasons[last])
-        if groups and alike and costs[start] <= costs[last] * (1.0 + ONE_ROW) + 1e-9:
-            groups[-1].append(start)
-        else:
-            groups.append([start])
+def end_table(variant: VariantResult) -> Table:
+    """Write the fits from the best places of the search, the lowest first."""
+    names = [verdict.name for verdict in variant.verdicts]
     rows = [
         (
-            f"{len(group)}{' (with the given)' if 0 in group else ''}",
-            f"{costs[group[0]]:.6g}",
-            *variant.end_parameters[group[0], : len(names)],
-            float(np.mean(variant.start_steps[group])),
-            reasons[group[0]].words,
+            f"{variant.end_costs[end]:.6g}",
+            *variant.end_parameters[end, : len(names)],
+            int(variant.end_steps[end]),
+            variant.end_reasons[end].words,
         )
-        for group in groups
+        for end in np.argsort(variant.end_costs, kind="stable")
     ]
-    return Table(("starts", "cost", *names, "steps", "stopped"), rows)
+    return Table(("cost", *names, "steps", "stopped"), rows)
 
 
 def origin_table(result: StudyResult) -> Table:

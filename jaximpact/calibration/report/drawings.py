@@ -329,29 +329,6 @@ def draw_candidates(suggestions: Suggestions) -> Figure:
 
 
 @in_style
-def draw_waterfall(variant: VariantResult) -> Figure:
-    """Draw the costs of the starts in order, hollow those not at the best fit."""
-    figure, axes = _panel()
-    order = np.argsort(variant.start_costs, kind="stable")
-    # The logarithm of a perfect fit has no place.
-    costs = np.maximum(variant.start_costs[order], 1e-12)
-    rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
-    style: dict[str, Any] = dict(color=BLUE, marker="o", ls="none", markersize=4)
-    axes.plot(rank, costs, color=BLUE, linewidth=0.8)
-    axes.plot(rank[reached], costs[reached], label="found the best fit", **style)
-    if not np.all(reached):
-        style |= dict(mfc="white", label="elsewhere or stuck")
-        axes.plot(rank[~reached], costs[~reached], **style)
-    log_scale(axes, "y")
-    # Equal costs would leave the axis without an extent.
-    axes.set_ylim(costs[0] / 1.2, 1.2 * costs[-1])
-    axes.set_xlabel("start, best first")
-    axes.set_ylabel("cost at the end [-]")
-    axes.legend()
-    return figure
-
-
-@in_style
 def draw_comparison(compared: Compared) -> Figure:
     """Draw the difference of each law to the best, with two standard errors."""
     ranking = compared.ranking()

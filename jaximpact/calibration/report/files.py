@@ -41,8 +41,8 @@ SUGGESTED = (
 """What fit.json has of suggested tests: all but the many candidates."""
 OF_VARIANT = (
     *("cost", "failed", "uncertainty", "errors_of_draws", "directions", "profiles"),
-    *("start_parameters", "end_parameters", "start_costs", "start_reasons"),
-    *("start_steps", "start_restarts"),
+    *("end_parameters", "end_costs", "end_reasons", "end_steps"),
+    *("members", "agreed", "found_later"),
 )
 """What fit.json has of a variant as it is."""
 SETTINGS = ("soil", "block", "targets", "loss", "starts", "seed", "method")
