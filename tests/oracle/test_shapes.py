@@ -149,18 +149,6 @@ def test_agrees_with_an_independent_integrator(corner, ratio, orientation, angle
             )
 
 
-def test_flat_faces_keep_their_kink_however_round_the_corners():
-    axes = SemiAxes(1.5, 1.0, 1.0)
-    for corner in (0.01, 0.5, 0.99):
-        shape = RectangularPrism(corner_radius_ratio=corner)
-        below, above = (
-            float(shape.tangency_arm(axes, jnp.sin(turn), jnp.cos(turn)))
-            for turn in (-1e-9, 1e-9)
-        )
-        # The flat part of the face: from -(R - rho) to R - rho.
-        assert above - below == pytest.approx(2.0 * (1.0 - corner), abs=1e-7)
-
-
 def test_a_flat_block_with_spin_sinks_at_its_end():
     axes, shape = SemiAxes(1.5, 1.0, 1.0), RectangularPrism(corner_radius_ratio=0.2)
     for sin, cos, half in ((0.0, 1.0, 0.8), (1.0, 0.0, 1.3), (0.0, -1.0, 0.8)):

@@ -33,11 +33,10 @@ def e_n_of(*arguments, **how):
     return result_of(*arguments, **how).e_n
 
 
-@pytest.fixture(params=["jax_debug_nans", "jax_debug_infs"])
-def checked(request):
-    jax.config.update(request.param, True)
-    yield
-    jax.config.update(request.param, False)
+@pytest.fixture
+def checked():
+    with jax.debug_nans(True), jax.debug_infs(True):
+        yield
 
 
 @pytest.mark.parametrize("kind", KINDS)
