@@ -329,8 +329,9 @@ def test_sensitivity_to_parameters_of_a_law(scene):
 def test_elasticities_along_shapes(laws):
     axes = {"shape": ["Ellipsoid", "RectangularPrism"]}
     base = Scene(Block(aspect_ratio=1.5), impact=Impact.from_degrees(angle=20.0))
-    found = elasticities(base, ["mass_kg", "corner_radius_ratio"], ["e_n"], axes=axes)
-    round_block = elasticities(base, ["mass_kg"], ["e_n"])
+    parameters = ["mass_kg", "corner_radius_ratio"]
+    found = elasticities(base, parameters, ["e_n"], axes=axes, check=False)
+    round_block = elasticities(base, ["mass_kg"], ["e_n"], check=False)
     np.testing.assert_allclose(
         found.elasticity.sel(shape="Ellipsoid", parameter="mass_kg"),
         round_block.elasticity.sel(parameter="mass_kg"),

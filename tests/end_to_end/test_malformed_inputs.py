@@ -318,7 +318,6 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         (lambda: simulate(BLOCK, SOIL, IMPACT, accuracy=[]), "accuracy must be one of"),
         (lambda: simulate(Block(mass=-1), SOIL, IMPACT), "must be above 0 kg"),
         (lambda: simulate(Scene(impact=Impact(speed=np.nan))), "speed must be above 0"),
-        (r"poisson must be in \[0, 0.5\]",),
         (lambda: simulate(Scene(), accuracy="balancd"), r"did you mean balanced\?"),
         (lambda: simulate(BLOCK, SOIL, Impact(angle=40)), "40 deg is 0.6981 rad"),
         (lambda: Accuracy("mine", np.nan, 0.01), "tolerance of an accuracy must be"),
@@ -337,7 +336,6 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         ),
         (lambda: elasticities(Scene(), outputs=3), "outputs must be a list of names"),
         (lambda: sobol(Scene(), None), "ranges must be of type Mapping"),
-        (lambda: sobol(Scene(), {"c_v": (None, 1), "k_E": (1, 2)}),),
         (
             lambda: sobol(Scene(), {"c_v": (1, 2), "k_E": (1, 2)}, blocks=2**52),
             "impacts, would take",

@@ -41,9 +41,9 @@ PAGE = DOCS / "shapes.md"
 DEGREE = np.pi / 180.0
 
 
-def drawn_prisms(count, seed=1):
+def drawn_prisms(count):
     """Rows of H, R, corner radius ratio, Theta and height over support."""
-    draw = np.random.default_rng(seed)
+    draw = np.random.default_rng(1)
     return zip(
         *np.exp(draw.uniform(-1.0, 0.5, (2, count))).tolist(),
         draw.uniform(0.01, 1.0, count).tolist(),
@@ -91,18 +91,6 @@ def test_prism_agrees_with_polygon_clipping():
         assert float(ours.tangency_arm) == pytest.approx(lowest[0], abs=within)
         kinds.add((sides[0] > left + 1e-9, sides[2] < right - 1e-9, height > 0.0))
     assert len(kinds) >= 6
-
-
-def test_prism_has_the_area_and_inertia_of_its_outline():
-    for major, minor, corner, _, _ in drawn_prisms(40, seed=2):
-        shape = RectangularPrism(aspect_ratio=major / minor, corner_radius_ratio=corner)
-        radius = corner * min(major / minor, 1.0)
-        polygon = shape_oracle.rounded_rectangle(major / minor, 1.0, radius)
-        moment = shape_oracle.polar_moment(polygon)
-        assert float(shape.unit_volume) == pytest.approx(2.0 * polygon.area, rel=1e-7)
-        assert float(shape.unit_inertia) == pytest.approx(
-            moment / polygon.area, rel=1e-7
-        )
 
 
 @pytest.mark.parametrize(
@@ -177,19 +165,6 @@ def results_of(shape, **impact):
         Block(shape=shape), Soil(), Impact.from_degrees(**impact), accuracy="reference"
     )
     return np.array([float(getattr(found, name)) for name in RESULTS])
-
-
-def test_a_prism_rounded_fully_is_the_circular_cylinder():
-    for impact in (
-        dict(angle=40.0, orientation=25.0),
-        dict(angle=-20.0, orientation=0.0, angular_velocity=400.0),
-        dict(angle=10.0, orientation=89.0, angular_velocity=400.0),
-    ):
-        prism = results_of(RectangularPrism(corner_radius_ratio=1.0), **impact)
-        # Steps end where a face of the prism would be level: other steps, same answer.
-        np.testing.assert_allclose(
-            prism, results_of(EllipticCylinder(), **impact), rtol=1e-6, atol=1e-9
-        )
 
 
 OBLIQUE = dict(angle=30.0, orientation=35.0, angular_velocity=200.0)
