@@ -126,6 +126,23 @@ def test_shape_factor_is_near_one_for_a_circle_and_follows_gazetas():
     assert float(shape_factor(4.0)) == pytest.approx(1.1204, abs=5e-5)
 
 
+def test_laws_are_finite_with_their_gradients_at_singular_points():
+    """On a vertical slope, at ground level, without flow and without force. Both sizes
+    of a foundation vanish together: their ratio stays that of the block."""
+    factors = bearing_factors(0.7)
+    for law, point in [
+        (lambda *sizes: elastic_stiffness(*sizes, Soil()), (1e-12, 1e-12, 0.0)),
+        (lambda u: bearing_capacity(1e-12, 0.3, u, 18e3, factors), (0.0,)),
+        (
+            lambda *rates: hardening_rate(0.1, FlowRate(*rates), 0.3, 0.4, Soil()),
+            (0.0,) * 3,
+        ),
+        (Coulomb(), (0.0, 0.0, 1e6, 0.5)),
+    ]:
+        slopes = jax.jacfwd(law, argnums=tuple(range(len(point))))(*point)
+        assert all_finite((law(*point), slopes))
+
+
 def test_dashpots_against_plain_numbers():
     soil = Soil(eta_N=0.1, eta_T=0.2, eta_R=0.3)
     found = soil.damping(Stiffness(4e6, 1e6, 9e4), 100.0, 4.0)
