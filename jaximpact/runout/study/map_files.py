@@ -259,8 +259,7 @@ def write_geojson(path: Path, layer: Layer, code: int) -> None:
 
     def in_degrees(positions: np.ndarray) -> np.ndarray:
         easting, northing, height = positions.T
-        # Lists: an array of one number is a deprecated scalar to pyproj with NumPy
-        # before 2.4.
+        # Lists: an array of one number is deprecated by NumPy before 2.4.
         degrees = to_degrees(easting.tolist(), northing.tolist())
         return np.stack([*degrees, height], axis=1)
 
