@@ -29,7 +29,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaximpact.io.display import align
+from jaximpact._tables import align
 from jaximpact.io.files import replacing
 
 ROOT = Path(__file__).parent.parent

@@ -1,39 +1,20 @@
-"""jaximpact: differentiable impacts of rock blocks on deformable ground."""
+"""jaximpact: differentiable impacts of rock blocks on deformable ground.
 
+The public names stand in `__init__.pyi`. Each module is imported when a name of it is
+asked for: JAX takes a second to load, in which the commands must serve Ctrl-C already,
+and xarray, statistics and drawing take another.
+"""
+
+import ast
 import importlib
+from pathlib import Path
 
-_MODULES = {
-    "accuracy": ("PRESETS", "Accuracy"),
-    "batch": ("simulate_batch",),
-    "calibration": ("calibrate", "compare", "predict"),
-    "io.datasets": ("read_netcdf", "write_netcdf"),
-    "impact.events": ("Outcome",),
-    "impact.reduced_models": ("select_model",),
-    "impact.results": ("EnergyLedger",),
-    "lazy": ("simulate_dataset", "write_zarr"),
-    "parametric_sets": ("parametric_set", "simulate_set"),
-    "rebound": (
-        "AnglePowerLaw",
-        "BozzoloPamini",
-        "ConstantCoefficients",
-        "FrictionalEllipsoid",
-        "PfeifferBowen",
-        "Rebound",
-        "RigidEllipsoid",
-    ),
-    "result": ("ImpactResult",),
-    "restitution": ("energetic_coefficient", "vijayakumar_coefficient"),
-    "scene": ("Block", "Impact", "Scene", "Soil"),
-    "second_derivatives": ("with_second_derivatives",),
-    "sensitivity": ("Range", "elasticities", "morris", "sobol"),
-    "simulation": ("simulate",),
-    "sweeping": ("sweep",),
+_PLACES = {
+    alias.name: node.module
+    for node in ast.parse(Path(__file__).with_suffix(".pyi").read_text("utf-8")).body
+    if isinstance(node, ast.ImportFrom)
+    for alias in node.names
 }
-"""Where the public names are. Each module is imported when it is asked for: JAX takes a
-second to load, in which the commands must serve Ctrl-C already, and xarray, statistics
-and drawing take another."""
-
-_PLACES = {name: module for module, names in _MODULES.items() for name in names}
 __all__ = sorted(_PLACES)  # pyright: ignore[reportUnsupportedDunderAll]
 
 

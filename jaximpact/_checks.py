@@ -44,12 +44,11 @@ def real_numbers(name: str, value) -> np.ndarray | jax.Array:
     return array.astype(float, copy=False)
 
 
-def real_number(name: str, value, *, least: float = -math.inf) -> float:
-    """Return one finite number of at least `least`; InputError for anything else."""
+def real_number(name: str, value) -> float:
+    """Return one finite number; InputError for anything else."""
     numbers = real_numbers(name, value)
-    if numbers.ndim or not (math.isfinite(numbers) and numbers >= least):
-        need = "" if least == -math.inf else f" of at least {least:g}"
-        raise InputError(f"{name} must be a finite number{need}, but is {value!r}")
+    if numbers.ndim or not math.isfinite(numbers):
+        raise InputError(f"{name} must be a finite number, but is {value!r}")
     return float(numbers)
 
 

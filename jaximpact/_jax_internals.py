@@ -111,16 +111,13 @@ def is_variable(atom) -> bool:
 def walk(
     jaxpr: Jaxpr, constants, arguments, literal: Callable, apply: Callable
 ) -> list:
-    """Go through a jaxpr, equation by equation, with values of any kind.
+    """Go through a jaxpr, equation by equation, with values of any kind, and return
+    those of its outputs.
 
     Args:
-        constants, arguments: values of the jaxpr's constants and inputs.
         literal: gives the value of a literal.
         apply: gives the values of an equation's results, from the equation and the
             values of its operands.
-
-    Returns:
-        Values of the outputs.
     """
     values = dict(zip(jaxpr.constvars, constants, strict=True))
     values |= zip(jaxpr.invars, arguments, strict=True)

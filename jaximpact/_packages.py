@@ -14,13 +14,8 @@ from .errors import InputError
 
 
 def needed(package: str, what: str, extra: str = "cluster") -> Any:
-    """Import a package of an extra.
-
-    Args:
-        what: what it is needed for, the subject of the error.
-
-    Raises InputError, with the cure, where it is not installed.
-    """
+    """Import a package of an extra; InputError, with the cure, where it is not
+    installed. `what` needs it: the subject of the error."""
     top = package.partition(".")[0]
     try:
         importlib.import_module(top)

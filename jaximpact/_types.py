@@ -10,5 +10,3 @@ Flag = Bool[Array, ""]
 """One truth value as an array of JAX."""
 Structure = Any
 """Structure of a pytree, `jax.tree_util.PyTreeDef`, which JAX declares as a value."""
-Device = Any
-"""A device, `jax.Device`, which JAX declares as a value too."""

@@ -62,10 +62,8 @@ DEFAULT_ACCURACY = "balanced"
 
 
 def get_accuracy(accuracy: str | Accuracy) -> Accuracy:
-    """Return the named setting, or the one given.
-
-    Raises ValueError for an unknown name, with the nearest known.
-    """
+    """Return the named setting, or the one given. Raises ValueError for an unknown
+    name, with the nearest known."""
     if isinstance(accuracy, Accuracy):
         return accuracy
     check_choice("accuracy", accuracy, PRESETS)

@@ -39,9 +39,7 @@ LARGEST_PART = 16_384
 
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     """Return the scene with every field as an array of one length, and the length.
-
-    Raises ValueError if the fields do not broadcast to one axis, or there are none.
-    """
+    ValueError if the fields do not broadcast to one axis, or there are none."""
     shape = shape_of(scene)
     if len(shape) > 1:
         raise ValueError(
@@ -172,46 +170,32 @@ def _at(scene: Scene, places: np.ndarray) -> Scene:
 def compute_part(
     scene: Scene, count: int, accuracy: Accuracy, ledger: bool = False
 ) -> np.ndarray:
-    """Compute scenes that were checked.
+    """Compute scenes that were checked, whose fields broadcast to `(count,)`.
 
-    Args:
-        scene: fields that broadcast to `(count,)`.
-        count: from 1.
-        accuracy, ledger: as for `simulate_batch`.
-
-    Returns:
-        Rows `(numbers, count)`, in the order of the fields of `ImpactSummary`.
+    Returns rows `(numbers, count)`, in the order of the fields of `ImpactSummary`.
     """
-    every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
-    return shape_by_shape(lambda alone: _lanes_of(alone, accuracy, ledger), every).T
 
-
-def _lanes_of(scene: Scene, accuracy: Accuracy, ledger: bool) -> np.ndarray:
-    """Compute blocks of one shape; `(lanes, numbers)`."""
-    scene = jax.tree.map(np.asarray, scene)
-    count = len(scene.impact.speed)
-    lanes = np.empty((count, len(jax.tree.leaves(empty_summary(ledger)))))
-    for part in in_parts(np.arange(count)):
-        leaves, structure = jax.tree.flatten(_at(scene, part))
+    def lanes_of(alone: Scene) -> np.ndarray:
+        """Compute blocks of one shape; `(lanes, numbers)`."""
+        alone = jax.tree.map(np.asarray, alone)
+        lanes = len(alone.impact.speed)
+        leaves, structure = jax.tree.flatten(_at(alone, np.arange(lanes)))
         rows, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
-        lanes[part] = rows.T  # one number for all where all scenes are the same
-    return lanes
+        # One number for all where all scenes are the same.
+        return np.broadcast_to(rows.T, (lanes, len(rows)))
+
+    every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
+    return shape_by_shape(lanes_of, every).T
 
 
-def summary_of(rows: np.ndarray, ledger: bool = False) -> ImpactSummary:
-    """Name the rows that `compute_part` gives."""
-    return jax.tree.unflatten(jax.tree.structure(empty_summary(ledger)), list(rows))
+def summary_of(rows: np.ndarray) -> ImpactSummary:
+    """Name the rows that `compute_part` gives, without a ledger."""
+    return jax.tree.unflatten(jax.tree.structure(empty_summary(False)), list(rows))
 
 
 class Collector:
-    """Numbers of impacts, as they come, kept in a journal if there is one; what this
-    holds already is not missing.
-
-    Args:
-        width: how many numbers an impact has.
-        count: how many impacts there are.
-        what: the impacts, as the progress that listens calls them.
-    """
+    """Numbers of impacts, `width` of each, as they come, kept in a journal if there is
+    one; what this holds already is not missing. `what` is what progress calls them."""
 
     def __init__(
         self,
@@ -246,7 +230,6 @@ class Collector:
 
 
 def _subject(scene: Scene, count: int, accuracy: Accuracy) -> dict:
-    """Collect what the results depend on, ready for JSON."""
     digest = hashlib.sha256()
     for leaf in jax.tree.leaves(scene):
         digest.update(np.asarray(leaf).tobytes())

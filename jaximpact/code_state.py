@@ -48,8 +48,26 @@ NOT_CODE = {
 }
 """Attributes of a class that no result depends on, or that are made from others."""
 
-CACHES = weakref.WeakKeyDictionary, weakref.WeakValueDictionary, weakref.WeakSet
-"""What holds its content weakly, such as that of `functools.singledispatch`."""
+WRAPPERS: dict[type, Callable[[Any], list]] = {
+    dataclasses.Field: lambda f: [f.name, f.default, f.default_factory, f.metadata],
+    property: lambda wrapper: [wrapper.fget],
+    functools.partial: lambda wrapper: [wrapper.func, wrapper.args, wrapper.keywords],
+    types.MethodType: lambda method: [method.__func__, method.__self__],
+    staticmethod: lambda method: [method.__func__],
+    classmethod: lambda method: [method.__func__],
+    functools.cached_property: lambda wrapper: [wrapper.func],
+    functools.singledispatchmethod: lambda wrapper: [wrapper.dispatcher, wrapper.func],
+    weakref.ref: lambda reference: [reference()],
+    contextvars.ContextVar: lambda variable: [variable.get()],
+    memoryview: lambda view: [view.tobytes()],
+    operator.attrgetter: lambda getter: [*getter.__reduce__()],
+    # These hold their content weakly, as that of `functools.singledispatch`.
+    weakref.WeakKeyDictionary: lambda cache: [type(cache)],
+    weakref.WeakValueDictionary: lambda cache: [type(cache)],
+    weakref.WeakSet: lambda cache: [type(cache)],
+}
+WRAPPERS[functools.partialmethod] = WRAPPERS[functools.partial]
+"""What wraps functions or values -> its parts."""
 BY_ANY_NAME = {"getattr", "vars", "globals", "eval", "exec", "__dict__"}
 """Names in code that may read a name which stands nowhere."""
 BY_TEXT = {"import_module", "__import__"}
@@ -113,12 +131,8 @@ def plain_values(atoms: Iterable[Atom]) -> dict[str, Any]:
 
 
 class _Walker:
-    """Visits what values depend on, each once.
-
-    Args:
-        own: packages of which the roots are; they count as the user's wherever they
-            are installed.
-    """
+    """Visits what values depend on, each once. Packages of which the roots are count as
+    the user's wherever they are installed."""
 
     def __init__(self, own: set[str]):
         self.own = own - FOUNDATIONS
@@ -176,7 +190,7 @@ class _Walker:
         if isinstance(value, Tracer):
             self.add("identity", value)
             return
-        if isinstance(value, jax.Array) and _is_key(value):
+        if jnp.issubdtype(value.dtype, jax.dtypes.prng_key):  # of random numbers
             value = jax.random.key_data(value)
         array = np.asarray(value)
         if array.dtype.hasobject:
@@ -259,7 +273,6 @@ class _Walker:
                 self._named({k: v for k, v in inside.items() if not _is_generated(v)})
 
     def _object(self, value) -> None:
-        """Add an object of a user's class."""
         kind = type(value)
         # Without its module: one of a file by name is called by what is in the file.
         self.add("object", kind.__qualname__)
@@ -334,41 +347,15 @@ def _mro(root) -> tuple[type, ...]:
 
 def _parts_of(value) -> list:
     """List what a wrapper of functions is made of; nothing for other objects."""
-    if isinstance(value, dataclasses.Field):
-        return [value.name, value.default, value.default_factory, value.metadata]
-    if isinstance(value, property):
-        return [value.fget]
-    if isinstance(value, functools.partial | functools.partialmethod):
-        return [value.func, value.args, value.keywords]
-    if isinstance(value, types.MethodType):
-        return [value.__func__, value.__self__]
-    if isinstance(value, staticmethod | classmethod):
-        return [value.__func__]
-    if isinstance(value, functools.cached_property):
-        return [value.func]
-    if isinstance(value, functools.singledispatchmethod):
-        return [value.dispatcher, value.func]
-    if isinstance(value, weakref.ref):
-        return [value()]
-    if isinstance(value, contextvars.ContextVar):
-        with contextlib.suppress(LookupError):
-            return [value.get()]
-    if isinstance(value, memoryview):
-        return [value.tobytes()]
-    if isinstance(value, operator.attrgetter):
-        return [*value.__reduce__()]
-    if isinstance(value, CACHES):
-        return [type(value)]
+    for kind, parts in WRAPPERS.items():
+        if isinstance(value, kind):
+            with contextlib.suppress(LookupError):  # a context variable without value
+                return parts(value)
     if callable(value) and hasattr(value, "__wrapped__"):
         # Such as `functools.lru_cache`, `jax.jit`, `jax.custom_jvp` with its rule
         inside = filter(callable, _attributes(value).values())
         return [value.__wrapped__, *inside]
     return []
-
-
-def _is_key(value: jax.Array) -> bool:
-    """Tell whether an array holds keys of random numbers."""
-    return jnp.issubdtype(value.dtype, jax.dtypes.prng_key)
 
 
 def _attributes(value) -> dict[str, Any]:
@@ -404,11 +391,7 @@ def _is_hashable(value) -> bool:
 
 class _Pickler(pickle.Pickler):
     """Pickles an object without what it holds of functions, classes and modules, of
-    which `pickle` would keep the names only.
-
-    Args:
-        walker: tells what is a library's.
-    """
+    which `pickle` would keep the names only."""
 
     def __init__(self, stream: io.BytesIO, walker: _Walker):
         super().__init__(stream)

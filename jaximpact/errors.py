@@ -26,32 +26,26 @@ class InputError(ValueError):
         column: str | None = None,
         key: str | None = None,
     ):
-        where = (
-            (file, "{}"),
-            (row, "row {}"),
-            (column, "column {}"),
-            (key, "key {}"),
-        )
-        place = ", ".join(text.format(item) for item, text in where if item is not None)
-        message = f"{place}: {problem}" if place else problem
-        super().__init__(shown(message))
+        place = {"file": file, "row": row, "column": column, "key": key}
+        self.place = {name: at for name, at in place.items() if at is not None}
+        self.problem = problem
+        words = [
+            f"{at}" if name == "file" else f"{name} {at}"
+            for name, at in self.place.items()
+        ]
+        super().__init__(shown(f"{', '.join(words)}: {problem}" if words else problem))
 
 
 @contextlib.contextmanager
-def located(
-    file: str | os.PathLike | None = None,
-    key: str | None = None,
-    *,
-    row: int | None = None,
-    column: str | None = None,
-) -> Iterator[None]:
-    """Add the place to an InputError of a check that does not know it."""
+def located(**place) -> Iterator[None]:
+    """Add the place, as `InputError` takes it, to an error that does not name it."""
     try:
         yield
     except InputError as error:
-        raise InputError(
-            str(error), file=file, row=row, column=column, key=key
-        ) from error
+        # An error of another file, such as that of a law, is quoted with its place.
+        if "file" in error.place or place.keys() & error.place.keys():
+            raise InputError(str(error), **place) from error
+        raise InputError(error.problem, **place, **error.place) from error
 
 
 class NoMachineCodeWarning(UserWarning):

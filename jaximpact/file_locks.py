@@ -18,22 +18,14 @@ try:
 except ImportError:  # POSIX
     msvcrt = None
 
-LOCKED_BYTE = 2**30
-"""Place of the byte that is locked on Windows, behind whatever the file holds: there
-nobody else can read what is locked."""
 POLL = 0.05
 """Seconds between looks, on Windows, for the end of another's lock."""
 
 
 def lock(descriptor: int, *, wait: bool) -> None:
-    """Lock an open file, whose position goes to its start.
-
-    Args:
-        wait: until no other process has the lock.
-
-    Raises BlockingIOError if another process has it and this one does not wait, and
-    OSError where there are no locks.
-    """
+    """Lock an open file, whose position goes to its start. Raises BlockingIOError if
+    another process has the lock and this one does not wait, OSError where there are no
+    locks."""
     if fcntl is not None:
         fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         return
@@ -47,7 +39,8 @@ def _lock_byte(descriptor: int) -> bool:
     """Lock a byte of a file as Windows does; False if another process has it."""
     if msvcrt is None:
         raise OSError(errno.ENOTSUP, "the system has no locks")
-    os.lseek(descriptor, LOCKED_BYTE, os.SEEK_SET)
+    # Behind whatever the file holds: nobody else can read what is locked.
+    os.lseek(descriptor, 2**30, os.SEEK_SET)
     try:
         msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # pyright: ignore
     except PermissionError:

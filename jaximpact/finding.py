@@ -168,8 +168,6 @@ def _module_of_file(slot: str, path: Path):
 
 
 class _Loaded(NamedTuple):
-    """A law file as it was read."""
-
     module: ModuleType
     content: bytes
     imports: list[str]

@@ -24,9 +24,6 @@ from . import parameters
 from .code_state import PACKAGE, Atom, digest, plain_values, walk
 from .parameters import Composite, Part, parts_of
 
-MOST_VALUES = 8
-"""Most constants of a law that its name in a manifest lists."""
-
 
 def part_names(*wholes: Composite) -> dict[str, str]:
     """Name the parts of soil and block as a manifest tells them: what each is for, its
@@ -51,7 +48,7 @@ def name_of(kind: type[Part]) -> str:
     module = Path(file).stem if file else kind.__module__
     atoms = _state_of(kind, (kind,))
     values = [f"{name}={value}" for name, value in plain_values(atoms).items()]
-    details = [digest(atoms)[:16], *values[:MOST_VALUES]]
+    details = [digest(atoms)[:16], *values[:8]]
     return f"{module}.{kind.__qualname__} ({', '.join(details)})"
 
 
@@ -125,8 +122,6 @@ _clearing: list[Callable[[], None]] = [
 
 
 class _Known(NamedTuple):
-    """Users' code as it was seen."""
-
     roots: tuple
     first: tuple[Atom, ...]
     """Before anything was traced; digests are of this."""
@@ -147,15 +142,12 @@ def clear_when_edited(clear: Callable[[], None]) -> None:
 
 def heed_edits(structure) -> None:
     """Forget all that was compiled or worked out for classes, if a user's class in a
-    tree has changed in this process: by an edit that a notebook has reloaded, or by a
-    constant with another value.
+    tree of this structure has changed in this process: by an edit that a notebook has
+    reloaded, or by a constant with another value.
 
     Costs a microsecond where all is the package's, else a tenth of a millisecond a
     class. What a user has put into a `jax.jit` of his own stays as it was traced, as
     everywhere in JAX, until a call outside finds the change.
-
-    Args:
-        structure: of the tree.
     """
     users = _users_code_of(structure)
     if not users:

@@ -57,12 +57,8 @@ class ImpactResponses(NamedTuple):
 def respond(
     scene: Scene, accuracy: Accuracy, journal: Journal | None = None
 ) -> ImpactResponses:
-    """Integrate impacts by the full model; every field an array `(lanes,)`.
-
-    Args:
-        journal: keeps the columns `COLUMNS` by the index of the impact; what it holds
-            is not computed again.
-    """
+    """Integrate impacts by the full model; every field an array `(lanes,)`. A journal
+    keeps the columns `COLUMNS` by the index of the impact."""
     scene = jax.tree.map(np.asarray, scene)
     lanes = len(scene.impact.speed)
     collector = Collector(len(COLUMNS), lanes, journal)

@@ -42,17 +42,12 @@ Remove = Callable[[os.PathLike], bool]
 """Function that removes something, and tells whether there was anything."""
 
 
-def _goes_on() -> str:
-    return "the same command goes on from here"
-
-
 @contextlib.contextmanager
-def resumable(prospect: Callable[[], str] = _goes_on) -> Iterator[None]:
-    """Have an interrupt of the work inside say what becomes of that work.
-
-    Args:
-        prospect: called when the interrupt comes, from any thread.
-    """
+def resumable(
+    prospect: Callable[[], str] = lambda: "the same command goes on from here",
+) -> Iterator[None]:
+    """Have an interrupt of the work inside say what becomes of that work: the prospect
+    is called when it comes, from any thread."""
     _prospects.append(prospect)
     try:
         yield
@@ -91,10 +86,10 @@ def remove_for_good(path: os.PathLike, remove: Remove = remove) -> None:
 def unfinished(
     path: os.PathLike, remove: Remove = remove, *, awaited: bool = True
 ) -> Iterator[None]:
-    """Have a signal remove the file or directory that is written inside.
+    """Have a signal remove the file or directory that is written inside, or a part of
+    it.
 
     Args:
-        remove: removes it, or a part of it.
         awaited: whether a thread that is inside is to come to the end of it.
     """
     with _beginning:
@@ -167,13 +162,11 @@ def _remove_unfinished() -> None:
     # Not waited for any longer: the main thread may stand still while it holds it.
     _beginning.acquire(timeout=PATIENCE)
     main = threading.main_thread().ident
-    while _threads_writing() - {main, None} and time.monotonic() < limit:
+    while time.monotonic() < limit:
+        if not {thread for thread, _ in list(_unfinished.values())} - {main, None}:
+            break
         time.sleep(0.002)
     if _unfinished:
         time.sleep(SETTLING)
     for path, (_, remove) in list(_unfinished.items()):
         remove_for_good(path, remove)
-
-
-def _threads_writing() -> set[int | None]:
-    return {thread for thread, _ in list(_unfinished.values())}

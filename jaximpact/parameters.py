@@ -7,10 +7,8 @@ off there.
 
 import dataclasses
 import functools
-import html
 import inspect
 import math
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 import equinox as eqx
@@ -20,6 +18,7 @@ import numpy as np
 from ._checks import real_numbers
 from ._jax_internals import Tracer
 from ._precision import float64_leaf
+from ._tables import Row, html_table
 from .errors import InputError, nearest
 from .finding import find_part
 from .units import SIZES, SUFFIXES
@@ -217,28 +216,6 @@ def with_unit(value, unit: str = "-", factor: float = 1.0) -> str:
     return f"{least if least == most else f'{least} to {most}'}{unit} {values.shape}"
 
 
-Row = tuple[str, ...]
-
-
-def text_table(head: str, rows: Iterable[Row]) -> str:
-    """Make a table of names, values and meanings below a line of text."""
-    rows = list(rows)
-    names, values = (max(len(row[i]) for row in rows) for i in (0, 1))
-    lines = (f"  {row[0]:<{names}}  {row[1]:<{values}}  {row[2]}" for row in rows)
-    return "\n".join([head, *lines])
-
-
-def html_table(head: str, rows: Iterable[Row]) -> str:
-    """Make a table for notebooks; a row of one cell is a heading within it."""
-    left = 'style="text-align:left"'
-    lines = [f"<div><b>{html.escape(head)}</b></div>", "<table>"]
-    for row in rows:
-        cell = f"th colspan=3 {left}" if len(row) == 1 else f"td {left}"
-        cells = (f"<{cell}>{html.escape(text)}</{cell[:2]}>" for text in row)
-        lines.append(f"<tr>{''.join(cells)}</tr>")
-    return "\n".join([*lines, "</table>"])
-
-
 def _own_rows(whole: "Part | Composite") -> list[Row]:
     """Return name, value and meaning of the parameters that an object declares
     itself."""
@@ -278,7 +255,7 @@ class Part(Module):
         return f"{type(self).__name__}({inside})"
 
     def _repr_html_(self) -> str:
-        return html_table(type(self).__name__, _own_rows(self))
+        return html_table([type(self).__name__], _own_rows(self))
 
 
 @functools.cache
@@ -309,7 +286,8 @@ def parts_of(kind: type) -> dict[str, type[Part]]:
     return {f.name: f.metadata["base"] for f in fields if "base" in f.metadata}
 
 
-def _default_part(kind: type, slot: str) -> type[Part]:
+def default_part(kind: type, slot: str) -> type[Part]:
+    """Return the class that a slot of a composite has if none is given."""
     (field,) = (field for field in dataclasses.fields(kind) if field.name == slot)
     return cast(type[Part], field.default_factory)
 
@@ -344,7 +322,7 @@ class Composite(Module):
         for slot, base in parts_of(kind).items():
             given_part = named.pop(slot, None)
             if given_part is None:
-                given_part = _default_part(kind, slot)()
+                given_part = default_part(kind, slot)()
             elif isinstance(given_part, str):
                 given_part = find_part(slot, base, given_part)
             _check_part(f"{kind.__name__}.{slot}", base, given_part)
@@ -387,7 +365,7 @@ class Composite(Module):
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return html_table(type(self).__name__, self.rows())
+        return html_table([type(self).__name__], self.rows())
 
     def rows(self) -> list[Row]:
         """Return name, value and meaning of every parameter; above those of a part a
@@ -478,7 +456,7 @@ def _unusual_parts(whole: Composite) -> str:
     others = [
         f"{slot} {type(held).__name__}"
         for slot in parts_of(kind)
-        if type(held := vars(whole)[slot]) is not _default_part(kind, slot)
+        if type(held := vars(whole)[slot]) is not default_part(kind, slot)
     ]
     return f" with {' and '.join(others)}" if others else ""
 

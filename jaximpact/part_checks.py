@@ -39,11 +39,8 @@ DEPTHS = (-0.1, 0.0, 1e-6, 0.1, 0.9, 1.0, 1.3, 2.0, 2.5)
 
 
 def check_part(slot: str, part: Part) -> None:
-    """Try a law or a shape of a user's, once for each class and its static fields.
-
-    Args:
-        slot: what the part is for, as in "flow".
-        part: whatever its numbers are.
+    """Try a law or a shape of a user's, once for each class and its static fields,
+    whatever its numbers are.
 
     Raises InputError, naming the part, what it does and the cure, unless it can be
     computed with, and differentiated, as the model does it.
@@ -137,7 +134,6 @@ class Call(NamedTuple):
 
 
 def _calls(law: Part, x) -> list[Call]:
-    """Return the calls that the model makes, with one array for every number."""
     foundation = Foundation(*[x] * 6)
     on = {"branch": Branch(*[x > 0.0] * (len(Branch._fields) - 1))}
     flow, stiffness = FlowRate(x, x, x), Stiffness(x, x, x)
@@ -183,7 +179,6 @@ def _check_law(name: str, law: Part) -> None:
 
 
 def _check_result(name: str, call: Call, result) -> None:
-    """Raise InputError unless a call gave what it must."""
     if call.result is not None:
         fields = call.result._fields
         if not all(hasattr(result, field) for field in fields):
@@ -281,8 +276,6 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
 
 
 def _check_half_sizes(name: str, shape: Any, support: Callable) -> None:
-    """Raise InputError unless H and R are the supports along the axes, and the block is
-    symmetric."""
     axes = shape.semi_axes(1.0, 1.0)
     for angle, half, size in ((0.0, "H", axes.major), (90.0, "R", axes.minor)):
         here = float(support(shape, jnp.radians(angle)))
@@ -304,12 +297,8 @@ def _check_half_sizes(name: str, shape: Any, support: Callable) -> None:
 
 
 def _try(name: str, shape: AbstractShape, function: Callable, *inputs: np.ndarray):
-    """Try a function of a shape, scalar by scalar over arrays of inputs, and return its
-    values.
-
-    Args:
-        name: of the shape and the method that is tried, for errors.
-        function: from the shape and one number of each input to a tree of scalars.
+    """Try a function of a shape and of one number of each input, scalar by scalar over
+    arrays of inputs, and return its values.
 
     Raises InputError for what is no scalar, or is not finite; and whatever the function
     raises as it is traced or differentiated.

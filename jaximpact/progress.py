@@ -20,13 +20,8 @@ class Progress:
     def __call__(
         self, what: str, done: int | None = None, total: int | None = None
     ) -> None:
-        """Tell how far the work is.
-
-        Args:
-            what: the step that begins, `"compiling once"`; or, with a count, what is
-                counted, `"impacts"`.
-            done, total: how many are done, and how many there are in all.
-        """
+        """Tell the step that begins, `"compiling once"`; or what is counted,
+        `"impacts"`, how many are done, and how many there are in all."""
 
     def within(self, step: str) -> "Progress":
         """Return progress of a part of the work, whose lines begin with the step's
@@ -86,8 +81,6 @@ class _Within(Progress):
 
 
 class _Given(Progress):
-    """Progress told to a function that a user gave."""
-
     def __init__(self, function: Callable):
         self._function = function
         self._takes_count = _takes(function, 0, 0)

@@ -9,7 +9,6 @@ import dataclasses
 import functools
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import jax
 import numpy as np
@@ -17,8 +16,8 @@ import numpy as np
 from .errors import InputError, nearest
 from .finding import shipped
 from .identity import clear_when_edited
-from .parameters import Composite, Declared, Part, declared_of, parts_of
-from .scene import PARTS, Scene
+from .parameters import Composite, Declared, Part, declared_of, default_part, parts_of
+from .scene import KINDS, PARTS, Scene
 from .units import RESULT_SUFFIXES, UNITS
 
 
@@ -71,7 +70,7 @@ class InputColumn:
         units = UNITS.get(self.unit, {})
         for other, size in units.items():
             value = size * number
-            if other == unit or not self.holds(value) or not self.is_usual(value):
+            if other == unit or not self.is_allowed(value) or self.is_unusual(value):
                 continue
             if other != "%" or 1.0 < number <= 100.0:
                 meant = f"{value / units[unit]:.4g} {unit}".removesuffix(" -")
@@ -87,26 +86,15 @@ class InputColumn:
         if unit != self.unit:
             text += f" = {value:.4g} {self.unit}"
         text += where
-        if self.holds(value):
+        if self.is_allowed(value):
             usual = "usual are {:g} to {:g} {}".format(*self.usual, self.unit)
             text += "; " + usual.removesuffix(" -")
         return text + self.hint(number, unit)
-
-    def is_usual(self, value: float) -> bool:
-        """Tell whether a value, in the column's unit, is within the usual ones."""
-        low, high = self.usual
-        return low <= value <= high
 
     def is_unusual(self, values) -> np.ndarray:
         """Tell which values, in the column's unit, are beyond the usual ones."""
         low, high = self.usual
         return (values < low) | (values > high)
-
-    def holds(self, value: float) -> bool:
-        """Tell whether one value, in the column's unit, is finite and in range."""
-        above = value >= self.lower if self.lower_allowed else value > self.lower
-        below = value <= self.upper if self.upper_allowed else value < self.upper
-        return above and below and math.isfinite(value * self.factor)
 
     def is_allowed(self, values) -> np.ndarray:
         """Tell which values, in the column's unit, are finite and in range."""
@@ -207,25 +195,17 @@ def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
     return by_name
 
 
-def _default_kinds(whole: type) -> dict[str, Any]:
-    """Return the classes that the fields of a scene, block or soil have by default."""
-    return {field.name: field.default_factory for field in dataclasses.fields(whole)}
-
-
-_KINDS = _default_kinds(Scene)
 SLOTS: dict[str, str] = {
-    slot: part for part, kind in _KINDS.items() for slot in parts_of(kind)
+    slot: part for part, kind in KINDS.items() for slot in parts_of(kind)
 }
 """Slots for laws and for the shape, as keys of files -> the part of the scene that they
 belong to."""
 BASES: dict[str, type[Part]] = {
-    slot: base for kind in _KINDS.values() for slot, base in parts_of(kind).items()
+    slot: base for kind in KINDS.values() for slot, base in parts_of(kind).items()
 }
 """Slot -> the base class of what stands in it."""
 USUAL: dict[str, type[Part]] = {
-    slot: _default_kinds(kind)[slot]
-    for kind in _KINDS.values()
-    for slot in parts_of(kind)
+    slot: default_part(kind, slot) for kind in KINDS.values() for slot in parts_of(kind)
 }
 """Slot -> the law or shape that a scene has if none is named."""
 
@@ -389,7 +369,7 @@ LABEL_COLUMNS = (
 INPUT_COLUMNS: dict[str, InputColumn] = _columns_of(
     *(
         (part, kind, *(USUAL[slot] for slot in parts_of(kind)))
-        for part, kind in _KINDS.items()
+        for part, kind in KINDS.items()
     )
 )
 """Columns of a scene with the usual laws and shape; `columns_of` gives those of

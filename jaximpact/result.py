@@ -14,6 +14,7 @@ import numpy as np
 
 from ._jax_internals import Tracer
 from ._packages import versions
+from ._tables import Row, align, html_table
 from .accuracy import Accuracy
 from .backend import MACHINE_CODE
 from .identity import part_names
@@ -51,7 +52,6 @@ class ImpactResult(ImpactSummary):
     """Tolerances of the integration."""
     history: History | None = None
     """Forces, motion and energies against time; None where none was asked for."""
-    """Error for which a model that leaves something out was allowed."""
     engine: str = eqx.field(default=MACHINE_CODE, static=True)
     """Engine asked for: machine code (XLA where there is none), or diffrax, with the
     name of the solver if that is not the package's own."""
@@ -123,19 +123,18 @@ class ImpactResult(ImpactSummary):
     def __repr__(self) -> str:
         if not self._is_known():
             return eqx.Module.__repr__(self)
-        from .io.display import as_text
-
-        return as_text(*self._shown())
+        heads, rows = self._shown()
+        return "\n".join([*heads, *([align(rows)] if rows else [])])
 
     def _repr_html_(self) -> str:
         if not self._is_known():
             return f"<pre>{eqx.Module.__repr__(self)}</pre>"
-        from .io.display import as_html
+        return html_table(*self._shown())
 
-        return as_html(*self._shown())
+    def _shown(self) -> tuple[list[str], list[Row]]:
+        from .io.display import heads_and_rows
 
-    def _shown(self) -> tuple:
-        return self, self.scene, self.accuracy.name, self.history
+        return heads_and_rows(self, self.scene, self.accuracy.name, self.history)
 
     def _is_known(self) -> bool:
         """Whether the values can be shown: not while a transformation traces them or

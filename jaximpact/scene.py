@@ -12,9 +12,10 @@ from . import laws
 from ._checks import expect, real_numbers
 from ._jax_internals import Tracer, broadcast_shapes
 from ._settings import own_transfers
+from ._tables import html_table
 from ._types import Scalar
 from .errors import InputError
-from .parameters import Composite, html_table, parameter, part
+from .parameters import Composite, parameter, part
 from .shapes import AbstractShape, Ellipsoid, MixedShapes, SemiAxes
 from .units import DEGREE
 
@@ -139,15 +140,12 @@ class Impact(Composite):
     speed: Float[Array, ""] = parameter(
         14.0, "m/s", "(0, inf)", "impact speed", column="speed_mps", usual=(1e-6, 300.0)
     )
-    """Speed of the centre of mass [m/s], positive."""
     angle: Float[Array, ""] = parameter(
         0.0,
         "deg",
         "(-90, 90)",
         "impact angle from the ground's normal; negative up-slope",
     )
-    """Impact angle [rad] from the ground's normal, in (-pi/2, pi/2); negative means
-    that the block travels up-slope."""
     orientation: Float[Array, ""] = parameter(
         0.0,
         "deg",
@@ -155,7 +153,6 @@ class Impact(Composite):
         "angle from the ground's normal to the major axis",
         usual=(-360.0, 360.0),
     )
-    """Orientation theta_0 [rad], angle from the ground's normal to the major axis."""
     angular_velocity: Float[Array, ""] = parameter(
         0.0,
         "deg/s",
@@ -163,9 +160,7 @@ class Impact(Composite):
         "spin at impact, clockwise positive",
         usual=(-3e4, 3e4),
     )
-    """Angular velocity Omega_0 [rad/s], clockwise positive."""
     slope: Float[Array, ""] = parameter(0.0, "deg", "(-90, 90)", "slope angle")
-    """Slope angle omega [rad], in (-pi/2, pi/2)."""
 
     @classmethod
     def from_degrees(
@@ -219,11 +214,12 @@ class Scene(eqx.Module):
         for name in PARTS:
             whole = getattr(self, name)
             rows += [(type(whole).__name__,), *whole.rows()]
-        return html_table("Scene", rows)
+        return html_table(["Scene"], rows)
 
 
-PARTS = tuple(field.name for field in dataclasses.fields(Scene))
-
+KINDS = {"block": Block, "soil": Soil, "impact": Impact}
+"""Fields of a scene, and their classes."""
+PARTS = tuple(KINDS)
 
 SceneLike = Scene | Block | tuple[Block, Soil, Impact]
 """Objects of which `as_scene` makes a scene."""
@@ -235,10 +231,7 @@ def as_scene(
     impact: "Impact | None" = None,
 ) -> "Scene":
     """Make a scene from one, or from its block, soil and impact, side by side or in a
-    tuple; what is left out has its default.
-
-    Raises InputError for anything else.
-    """
+    tuple; what is left out has its default. Raises InputError for anything else."""
     if isinstance(scene, Scene):
         if soil is not None or impact is not None:
             raise InputError(
@@ -251,15 +244,13 @@ def as_scene(
     components = {"block": scene, "soil": soil, "impact": impact}
     replaced = {name: value for name, value in components.items() if value is not None}
     for name, value in replaced.items():
-        expect(name, value, {"block": Block, "soil": Soil, "impact": Impact}[name])
+        expect(name, value, KINDS[name])
     return Scene(**replaced)
 
 
 def shape_of(scene: Scene) -> tuple[int, ...]:
-    """Find the shape that the fields of a scene broadcast to.
-
-    Raises InputError if they do not.
-    """
+    """Find the shape that the fields of a scene broadcast to; InputError if they do
+    not."""
     shapes = [np.shape(leaf) for leaf in jax.tree.leaves(scene)]
     try:
         return broadcast_shapes(*shapes)

@@ -23,17 +23,11 @@ Whole = TypeVar("Whole", bound=Composite)
 def with_parts(
     scene: Scene, names: Mapping[str, str], directory: Path | None = None
 ) -> Scene:
-    """Return the scene with other laws or another shape, by their names.
+    """Return the scene with other laws or another shape: slot to name, as
+    `finding.find_part` takes it.
 
     A value that was given is kept if the new law or shape has a parameter of that name;
     its other parameters have their own defaults.
-
-    Args:
-        names: slot to a name, as `finding.find_part` takes it.
-        directory: from which files are looked for.
-
-    Raises InputError for a name that cannot be used, and for parameters of two laws
-    with one name.
     """
     changed: dict[str, dict[str, Part]] = {}
     for slot, name in names.items():

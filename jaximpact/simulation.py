@@ -92,7 +92,7 @@ def simulate(
                 f"save_at is not to be had with the engine {chosen.name}; ask for "
                 "every step, with history=True, or leave the engine out"
             )
-        times, shape = check_times("save_at", save_at, shape_of(scene))
+        times, shape = check_times(save_at, shape_of(scene))
         of_result = with_axes(scene, len(shape)) if shape else of_result
     if ledger is None:
         many = times.ndim > 1 or any(np.ndim(x) for x in values)

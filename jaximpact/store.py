@@ -46,12 +46,8 @@ class Refused(Exception):
 
 
 class Store:
-    """Bytes by kind and key, in files of a directory.
-
-    Args:
-        path: the directory, which is there when something is put; whatever else it
-            has is left alone.
-    """
+    """Bytes by kind and key, in files of a directory, which is there when something is
+    put; whatever else it has is left alone."""
 
     def __init__(self, path: Path):
         self.path = path
@@ -111,10 +107,7 @@ class Store:
 
 
 class PrivateStore(Store):
-    """Compiled code by kind and key, in a directory of the user's that is checked.
-
-    Args:
-        path: the directory, made for the user alone if need be.
+    """Compiled code by kind and key, in a directory made for the user alone if need be.
 
     Raises OSError where the file system refuses, Refused where others could write.
     """
@@ -217,11 +210,8 @@ def open_cache() -> PrivateStore | None:
 
 
 def kept(key: str, make: Callable[[], bytes]) -> bytes:
-    """Return the machine code that `make` gives, or gave another time under this key.
-
-    Args:
-        key: names everything that the code depends on.
-    """
+    """Return the machine code that `make` gives, or gave another time under this key,
+    which names everything that the code depends on."""
     cache = open_cache()
     if cache is None:
         return make()
@@ -273,7 +263,6 @@ def _with_checksum(path: Path, content: bytes) -> bytes:
 
 
 def _make_private_directory(path: Path) -> None:
-    """Make a directory and those above it for the user alone."""
     missing = [each for each in (path, *path.parents) if not os.path.lexists(each)]
     for each in reversed(missing):
         with contextlib.suppress(FileExistsError):

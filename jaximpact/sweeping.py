@@ -53,8 +53,6 @@ Axes = Mapping[str, ArrayLike | Mapping[str, ArrayLike]]
 
 
 class _Axis(NamedTuple):
-    """One dimension of a sweep."""
-
     name: str
     values: dict[str, Any]
     """Quantities that vary along the axis -> arrays in the units of their columns; of
@@ -235,7 +233,6 @@ def why_unknown_axis(
 
 
 def _entries(values) -> list:
-    """Return the entries of a list; none of what is no list."""
     several = isinstance(values, Iterable) and not isinstance(values, str)
     return list(values) if several else []
 
@@ -262,7 +259,6 @@ def _labels(place: str, values) -> np.ndarray:
 
 
 def _numbers(place: str, column: InputColumn, entries: ArrayLike) -> np.ndarray:
-    """Return values of a quantity, checked, in the unit of its column."""
     values = np.asarray(real_numbers(place, entries), float)
     if values.ndim != 1 or values.size == 0:
         raise InputError(
@@ -290,11 +286,8 @@ def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
 
 
 def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
-    """Return the quantities of the axes as coordinates of a dataset.
-
-    Args:
-        scene: with the laws and shapes of all points.
-    """
+    """Return the quantities of the axes as coordinates of a dataset; the scene has the
+    laws and shapes of all points."""
     columns, coordinates = columns_of(scene), {}
     for axis in grid:
         if axis.labels is not None:

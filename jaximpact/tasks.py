@@ -54,12 +54,8 @@ Result = TypeVar("Result")
 class Task:
     """A function of a module with its first arguments, to be called in any process.
 
-    Args:
-        function: of a module that workers can import.
-        arguments: what can be pickled. Laws and shapes of a file of the user's are
-            found by its path, which workers must see.
-
-    Raises InputError for what cannot be pickled.
+    Workers must be able to import the module, and to see files with laws and shapes of
+    the user's. Raises InputError for arguments that cannot be pickled.
     """
 
     def __init__(self, function: Callable, *arguments):
@@ -100,7 +96,6 @@ _versions = functools.cache(versions)
 
 
 def _check_versions(sent: dict[str, str]) -> None:
-    """Raise InputError unless this process has the versions of the sender."""
     other = [
         f"{name} {here} in place of {sent.get(name)}"
         for name, here in _versions().items()
@@ -114,9 +109,8 @@ def _check_versions(sent: dict[str, str]) -> None:
 
 
 def set_up_process(cache: str | None) -> None:
-    """Set JAX to float64, and what is compiled to be kept, in the process of a worker.
-
-    A process that computes in float64 already is left as it is.
+    """Set JAX to float64, and what is compiled to be kept, in the process of a worker;
+    one that computes in float64 already is left as it is.
 
     Args:
         cache: directory of compiled code that the sender was told, unless this process
@@ -219,18 +213,13 @@ def run_tasks(
             )
             warn(finished=bool(done))
             for future in done:
-                place = running.pop(future)
-                error = error_of(future)
-                if error is None:
+                place, loss = running.pop(future), loss_of(future)
+                if loss is None:
                     take(place, future.result())
-                elif is_loss(error):
-                    lost.append(error)
-                    # A broken pool takes no more tasks.
-                    more = more and not isinstance(
-                        error, concurrent.futures.BrokenExecutor
-                    )
-                else:
-                    raise error
+                    continue
+                lost.append(loss)
+                # A broken pool takes no more tasks.
+                more &= not isinstance(loss, concurrent.futures.BrokenExecutor)
     finally:
         for future in running:
             future.cancel()
@@ -320,22 +309,15 @@ def run_in_threads(
 
 
 class WorkerlessWarner:
-    """Function that warns where nothing finishes since a client has no workers left.
-
-    Args:
-        client: of Dask; None for engines that say themselves what they lack.
-    """
+    """Function that warns where nothing finishes since a client of Dask has no workers
+    left; None stands for engines that say themselves what they lack."""
 
     def __init__(self, client: Any):
         self._client, self._last, self._warned = client, time.monotonic(), False
 
     def __call__(self, *, finished: bool) -> None:
         """Look for workers if nothing has finished for long; warn once if there are
-        none.
-
-        Args:
-            finished: whether anything has, since the last call.
-        """
+        none."""
         now = time.monotonic()
         if finished:
             self._last, self._warned = now, False
@@ -350,9 +332,9 @@ class WorkerlessWarner:
                 )
 
 
-def error_of(future: Any) -> BaseException | None:
-    """Return the error of a future that has finished, an InputError where a package is
-    missing."""
+def loss_of(future: Any) -> BaseException | None:
+    """Return the error of a future that has finished if a worker died; None if it has a
+    result. Raises its other errors, an InputError where a package is missing."""
     try:
         error = future.exception()
     except concurrent.futures.CancelledError as cancelled:
@@ -360,18 +342,13 @@ def error_of(future: Any) -> BaseException | None:
     # Of a scheduler that cannot unpickle a task Dask tells the reason as the cause.
     for one in (error, getattr(error, "__cause__", None)):
         if isinstance(one, ModuleNotFoundError):
-            missing = InputError(
+            raise InputError(
                 f"a worker or the scheduler has no module {one.name}; install the same "
                 "packages there as here"
-            )
-            missing.__cause__ = error
-            return missing
-    return error
-
-
-def is_loss(error: BaseException) -> bool:
-    """Tell whether a worker died, rather than what it was computing."""
+            ) from error
     names = {kind.__name__ for kind in type(error).__mro__}
-    return isinstance(error, concurrent.futures.BrokenExecutor) or bool(
-        names & {"KilledWorker", "CommClosedError", "CancelledError"}
-    )
+    if error is None or names & {
+        *("BrokenExecutor", "KilledWorker", "CommClosedError", "CancelledError")
+    }:
+        return error
+    raise error

@@ -5,7 +5,7 @@ import sys
 
 from jaximpact.cli import Parser, main, options
 from jaximpact.cli.progress import say
-from jaximpact.errors import IncompleteError
+from jaximpact.errors import IncompleteError, check_choice
 from jaximpact.interruption import ending_on_signals, resumable
 from jaximpact.io.files import make_directory, write_text
 
@@ -122,14 +122,13 @@ def run_readings(arguments: argparse.Namespace) -> None:
 
 def _chosen(arguments: argparse.Namespace) -> list[str]:
     """Ids of the claims that are asked for; makes the directory."""
-    from jaximpact.io.checks import chosen_values  # loads JAX, for a second
-
     from .claims import JUDGES
 
-    names = chosen_values("--only", arguments.only, {name: name for name in JUDGES})
+    for name in arguments.only:
+        check_choice("--only", name, JUDGES)
     if arguments.out is not None:
         make_directory(arguments.out, option="--out")
-    return names
+    return [name for name in JUDGES if not arguments.only or name in arguments.only]
 
 
 def _refuse_missing(judgements) -> None:

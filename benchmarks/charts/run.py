@@ -21,9 +21,8 @@ import pandas as pd
 
 from jaximpact._packages import version_of, versions
 from jaximpact._precision import require_float64
-from jaximpact.errors import InputError
-from jaximpact.io.checks import chosen_values
-from jaximpact.io.display import align
+from jaximpact._tables import align
+from jaximpact.errors import InputError, check_choice
 from jaximpact.io.files import replacing, write_text
 from jaximpact.io.output_files import NewFile, output_directory
 from jaximpact.plotting.style import save_figure
@@ -63,7 +62,9 @@ def choose_sections(names: Sequence[str]) -> list[Section]:
 
     Raises InputError for a name that is not known, with the nearest known.
     """
-    return chosen_values("--only", names, SECTIONS)
+    for name in names:
+        check_choice("--only", name, SECTIONS)
+    return [section for name, section in SECTIONS.items() if not names or name in names]
 
 
 def run_benchmark(

@@ -42,14 +42,8 @@ def solve(
     ledger: bool,
     engine: Engine = NATIVE,
 ) -> ImpactSummary:
-    """Compute impacts, each by the cheapest model that is exact for it.
-
-    Args:
-        structure, leaves: of a scene. Leaves are arrays that broadcast, whose shape the
-            numbers have.
-        ledger: also keep the energy ledger.
-        engine: what computes them.
-    """
+    """Compute impacts, each by the cheapest model that is exact for it. Leaves are
+    arrays that broadcast, whose shape the numbers have."""
     return _solved(structure, leaves, accuracy, ledger, None, engine).numbers
 
 
@@ -155,7 +149,6 @@ def _solved(
 
 
 def _on_device(wanted: Request, solution: Solution) -> Solution:
-    """Hand results over to JAX."""
     rows = jax.tree.leaves(solution)
     if wanted.sampled or np.ndim(rows[0]):
         return jax.device_put(solution)
@@ -196,11 +189,8 @@ def _solve_jvp(wanted: Request, primals, tangents):
 
 @jax.jit
 def _along(columns: list, steps: list) -> list:
-    """Change of each result with steps of the leaves.
-
-    Args:
-        columns: for each step, the derivatives of all results with respect to it.
-    """
+    """Change of each result with steps of the leaves; `columns` are, for each step, the
+    derivatives of all results with respect to it."""
     # `jit` makes it one operation in place of hundreds where it is called outside.
     if not columns:
         return []

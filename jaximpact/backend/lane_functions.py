@@ -43,8 +43,6 @@ def _time_of(lanes: Lanes):
 
 
 class _Lanes(NamedTuple):
-    """Functions of lanes that integrate impacts."""
-
     assembly: Assembly
     sampled: bool
 

@@ -6,7 +6,6 @@ Python while it runs, and computes its lanes in threads of its own.
 
 import threading
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,28 +17,22 @@ from .simd import KernelSet
 from .simd.driver import Driver
 from .threads import thread_count
 
-
-class _Registered(NamedTuple):
-    """Objects that must live as long as JAX may call the operation: for ever."""
-
-    kernels: KernelSet
-    driver: Driver
-
-
-_registered: dict[str, _Registered] = {}
+_registered: dict[str, tuple[KernelSet, Driver]] = {}
+"""Operations by name; both must live as long as JAX may call them: for ever."""
 _lock = threading.Lock()
 
 
 def _name(kernels: KernelSet) -> str:
-    """Make kernels an operation of JAX, if they are none yet; return its name."""
+    """Make kernels an operation of JAX, if they are none yet, and return its name."""
     name = f"jaximpact_{kernels.digest}"
     with _lock:
         if name not in _registered:
             driver = kernels.load_driver()
             handler = jax.ffi.pycapsule(driver.handler)
             jax.ffi.register_ffi_target(name, handler, platform="cpu")
-            _registered[name] = _Registered(kernels, driver)
-    _registered[name].driver.operation.threads = thread_count()
+            _registered[name] = kernels, driver
+    _, driver = _registered[name]
+    driver.operation.threads = thread_count()
     return name
 
 
@@ -59,10 +52,7 @@ def call(
         common: inputs of the kernels that all lanes have in common, one array.
         places, values: indices of the other inputs, and their values: float64 arrays
             that broadcast to the shape of the lanes.
-        effort: how long a lane takes, less for longer, so that the longest begin first.
-        program: the place of a lane's kernel.
-        along: leaves of the directions; -1 for a direction that is not wanted.
-        times: at which samples are taken, increasing along the last axis.
+        effort, program, along, times: as for `KernelSet.compute`.
 
     Returns:
         Rows of results, each of the shape of the lanes; then what is sampled, with an
@@ -90,6 +80,5 @@ def call(
 
 
 def _of_rank(value, rank: int) -> Array:
-    """Give a value axes of length 1 in front."""
     value = jnp.asarray(value)
     return value.reshape((1,) * (rank - value.ndim) + value.shape)

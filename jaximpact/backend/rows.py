@@ -159,12 +159,8 @@ def prepare(
 
 
 def values_of(wanted: Request, values: list, times, in_jax: bool) -> Solution:
-    """Compute results without derivatives.
-
-    Args:
-        in_jax: whether JAX is to take part, which may trace or differentiate; else
-            values are known, and results NumPy arrays.
-    """
+    """Compute results without derivatives: `in_jax`, where JAX may trace or
+    differentiate; else values are known, and results are NumPy arrays."""
     chosen = _choose(wanted, values, [])
     if chosen is None:
         return _by_xla(wanted, values, times, [], in_jax)
@@ -250,12 +246,8 @@ def _directly(kernels: KernelSet, along, places, rest, values, effort, program, 
 
 
 def _split(along, values, parts: Sequence, stack: Callable):
-    """Separate results from their derivatives along directions.
-
-    Args:
-        parts: rows of numbers, and of samples if there are any.
-        stack: makes one array of rows.
-    """
+    """Separate results from their derivatives along directions; the parts are rows of
+    numbers, and of samples if there are any."""
     rows, columns = [], []
     for sampled, part in enumerate(parts):
         count = len(part) // (1 + len(along))
@@ -284,8 +276,7 @@ def _of_numbers(values: list, rows, columns, sampled: bool):
     NaN, also for who leaves them out.
 
     Args:
-        values: inputs.
-        rows: results, whose derivatives the columns are, along their last axes.
+        columns: derivatives of the rows, along their last axes.
         sampled: whether the rows are samples, which have an axis of times.
     """
     xp, of_nan = namespace_of(*values, rows, columns), 0.0
@@ -353,7 +344,6 @@ def _choose(wanted: Request, values: list, varied: list[int]):
 
 @functools.lru_cache(maxsize=256)
 def _deciding(structure) -> tuple[int, ...]:
-    """Choose the leaves of a scene that decide which model is exact."""
     posture, damping, _ = _groups(structure)
     return tuple(sorted(posture | damping))
 
@@ -401,7 +391,6 @@ clear_when_edited(_kernel_sets.clear)
 def _kernels(
     structure, ledger: bool, sampled: bool, possible: tuple[int, ...], varied: bool
 ) -> KernelSet | None:
-    """Kernels of a set of models, with derivatives or without."""
     key = structure, ledger, sampled, possible, varied
     if key not in _kernel_sets:
         kernels = []

@@ -32,11 +32,7 @@ def compute(
     floor,
     solver: AbstractAdaptiveSolver | None = None,
 ) -> ImpactSummary:
-    """Compute one impact; pure, differentiable in forward mode.
-
-    Args:
-        solver: solver of an `Engine`.
-    """
+    """Compute one impact; pure, differentiable in forward mode."""
     problem, vector = pose(scene, assembly, tolerance, floor)
     return summarise(scene, problem, integrate(problem, vector, solver))
 
@@ -44,10 +40,7 @@ def compute(
 def compute_at(
     assembly: Assembly, scene: Scene, tolerance, floor, times
 ) -> tuple[ImpactSummary, History]:
-    """Compute one impact, and its samples at times, NaN after its end.
-
-    Pure, differentiable in forward mode.
-    """
+    """Compute one impact, and its samples at times, NaN after its end; as `compute`."""
     scenes = jax.tree.map(lambda leaf: jnp.reshape(leaf, (1,)), scene)
     lanes = start_lanes(assembly, scenes, tolerance, floor, sampled=True)
     lanes, samples = march_and_sample(lanes, times)

@@ -39,10 +39,6 @@ def unfused_jit(function: Callable, static_argnums: tuple[int, ...] = ()) -> Cal
     return call
 
 
-LEAST_SECONDS = 0.5
-"""Time of compilation below which a program is not kept [s]."""
-
-
 def keep_programs() -> None:
     """Have JAX keep what it compiles in the package's cache, if there is one, and
     unless the user has named a directory to JAX."""
@@ -57,4 +53,4 @@ def keep_programs() -> None:
     )
     if kept:
         jax.config.update("jax_compilation_cache_dir", str(cache.path))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", LEAST_SECONDS)
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)

@@ -26,10 +26,6 @@ MOVED = {
     "validate": "paper claims",
 }
 """Former commands, and the modules of the repository that do their work now."""
-USER_ERROR = 2
-SYSTEM_ERROR = 1
-INTERRUPTED = 130
-BROKEN_PIPE = 141
 
 
 class Parser(argparse.ArgumentParser):
@@ -58,26 +54,27 @@ def main(
     """Run a command and return its exit code.
 
     0: done. 1: the system refused, for example a full disk, or something could not be
-    computed. 2: wrong arguments or input. 130: interrupted from the keyboard. Whatever
-    went wrong is one line on stderr. Sets JAX to float64, and to keep compiled programs
-    in the package's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
+    computed. 2: wrong arguments or input. 130: interrupted from the keyboard. 141: the
+    reader of stdout has left. Whatever went wrong is one line on stderr. Sets JAX to
+    float64, and to keep compiled programs in the package's cache if
+    `JAX_COMPILATION_CACHE_DIR` does not say where.
     """
     _prepare_streams()
     try:
         with _warnings_in_one_line():
             _run(argv, make_parser or _parser)
     except InputError as error:
-        return _report(f"error: {error}", USER_ERROR)
+        return _report(f"error: {error}", 2)
     except KeyboardInterrupt as error:
-        return _report("; ".join(("interrupted", *error.args)), INTERRUPTED)
+        return _report("; ".join(("interrupted", *error.args)), 130)
     except BrokenPipeError:
         # The reader of stdout has left (`| head`).
         forget(sys.stdout)
-        return BROKEN_PIPE
+        return 141
     except (OSError, IncompleteError) as error:
-        return _report(f"error: {_stdout_problem() or error}", SYSTEM_ERROR)
+        return _report(f"error: {_stdout_problem() or error}", 1)
     except MemoryError as error:
-        return _report(f"error: out of memory: {error}", SYSTEM_ERROR)
+        return _report(f"error: out of memory: {error}", 1)
     return 0
 
 
@@ -143,7 +140,6 @@ def _set_up_jax() -> None:
 
 
 def _check_platforms(jax) -> None:
-    """Raise InputError where JAX was told to compute on what is not there."""
     asked = jax.config.jax_platforms
     if not asked:
         return

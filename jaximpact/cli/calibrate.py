@@ -232,7 +232,7 @@ def run_predict(arguments: argparse.Namespace) -> None:
         files = output_files(
             {"--out": out},
             inputs=[arguments.tests, *files_of_fit(arguments.result)],
-            beside={manifest_path(out): manifest_path(out)},
+            manifests=[manifest_path(out)],
         )
     with files:
         with ProgressLines() as progress:

@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
+from ..interruption import resumable
 from ..io.files import replacing
-from ..io.output_files import output_files
+from ..io.output_files import journal_path, manifest_path, output_files
 from . import options
+from .progress import ProgressLines, say
 
 if TYPE_CHECKING:
     from ..result import ImpactResult
-
-from ..interruption import resumable
-from ..io.output_files import journal_path, manifest_path
-from .progress import ProgressLines, say
 
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
 SIMULATE = """\
@@ -136,7 +134,7 @@ def run_simulate(arguments: argparse.Namespace) -> None:
 def as_text(result: "ImpactResult") -> str:
     """Return every result and the energy ledger as a table with units and meanings."""
     from .. import quantities
-    from ..io.display import align
+    from .._tables import align
 
     columns = quantities.RESULT_COLUMNS | quantities.FURTHER_COLUMNS
     ledger = quantities.ENERGY_COLUMNS.values()
@@ -189,8 +187,19 @@ Ctrl-C, kill or a power cut, the same command goes on where it stopped."""
 
 
 def _columns() -> str:
-    inputs = options.input_help("Columns of the scenes:")
-    return f"{inputs}\n\n{options.label_help()}\n\n{options.result_help()}"
+    from .. import quantities
+    from .._tables import align
+
+    results = quantities.RESULT_COLUMNS.values()
+    rows = [("name", "unit", "meaning")]
+    rows += [(column.name, column.unit, column.meaning) for column in results]
+    rows += [(quantities.OUTCOME_COLUMN, "-", quantities.OUTCOME_MEANING)]
+    return (
+        f"{options.input_help('Columns of the scenes:')}\n\n"
+        "Columns of free text, carried along unchanged: "
+        f"{', '.join(quantities.LABEL_COLUMNS)}.\n\n"
+        f"Columns that are appended:\n{align(rows)}"
+    )
 
 
 def run_batch(arguments: argparse.Namespace) -> None:
@@ -206,11 +215,11 @@ def run_batch(arguments: argparse.Namespace) -> None:
     if is_parquet(out):
         needed("pyarrow", f"--out {out}")
     timing = {}
-    manifest, journal = manifest_path(out), journal_path(out)
+    journal = journal_path(out)
     files = output_files(
         {"--out": out},
         inputs=[scenes, *([] if base is None else [base])],
-        beside={manifest: manifest},
+        manifests=[manifest_path(out)],
         journals=[journal],
     )
     with files, resumable():

@@ -1,34 +1,29 @@
 """Options and help that several commands share, and what computes them."""
 
 import argparse
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-from ..accuracy import PRESETS
-
-if TYPE_CHECKING:
-    from ..quantities import InputColumn
 import contextlib
 import logging
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from ..accuracy import PRESETS
 from ..errors import IncompleteError, InputError
 from ..interruption import remove, unfinished
+
+if TYPE_CHECKING:
+    from ..quantities import InputColumn
 
 
 def add_command(
     commands, name: str, run: Callable[[argparse.Namespace], None], **texts
 ) -> argparse.ArgumentParser:
-    """Add a command to the command line.
+    """Add a command, which calls `run` with the arguments.
 
     Args:
-        commands: the subparsers of the command line.
-        name: what users type.
-        run: called with the arguments.
         texts: `help` in one line, `description`, and `epilog` if there is one; a text
             that is read off the laws is a function, since these load JAX.
     """
@@ -82,7 +77,7 @@ def add_only(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:
 def input_help(title: str) -> str:
     """List the quantities of a scene with unit, default, range and meaning, the laws
     and shapes by name, and the quantities that only these have."""
-    from ..io.display import align
+    from .._tables import align
     from ..quantities import INPUT_COLUMNS, SLOTS, columns_of_class, shipped_parts
 
     rows = [("name", "unit", "default", "range", "meaning")]
@@ -114,24 +109,6 @@ def _row(column: "InputColumn") -> tuple[str, ...]:
     return column.name, column.unit, default, column.range_text, column.meaning
 
 
-def label_help() -> str:
-    """List the columns of free text."""
-    from ..quantities import LABEL_COLUMNS
-
-    return f"Columns of free text, carried along unchanged: {', '.join(LABEL_COLUMNS)}."
-
-
-def result_help() -> str:
-    """List the results with unit and meaning."""
-    from ..io.display import align
-    from ..quantities import OUTCOME_COLUMN, OUTCOME_MEANING, RESULT_COLUMNS
-
-    rows = [("name", "unit", "meaning")]
-    rows += [(c.name, c.unit, c.meaning) for c in RESULT_COLUMNS.values()]
-    rows += [(OUTCOME_COLUMN, "-", OUTCOME_MEANING)]
-    return f"Columns that are appended:\n{align(rows)}"
-
-
 SETTINGS = {
     # A worker that died may take long to start again: a busy machine takes more than
     # the 15 s of Dask, and then nobody would compute.
@@ -147,8 +124,6 @@ SETTINGS = {
     "distributed.worker.memory.monitor-interval": "500ms",
 }
 """Settings of Dask, of which workers of this machine inherit all."""
-NUMBERS_PER_WORKER = 25e6
-"""Least memory of a worker that has loaded JAX, in numbers of eight bytes."""
 
 
 def add_engine(parser: argparse.ArgumentParser) -> None:
@@ -202,7 +177,8 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
     with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
         address, count = arguments.scheduler, arguments.workers
         if count is not None:
-            check_memory(count * NUMBERS_PER_WORKER, f"{count} workers")
+            # A worker that has loaded JAX takes 200 MB.
+            check_memory(25e6 * count, f"{count} workers")
             setting = "temporary-directory"
             place = dask.config.get(setting, None)
             scratch = Path(tempfile.mkdtemp(prefix="jaximpact-", dir=place))

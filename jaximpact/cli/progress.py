@@ -1,6 +1,7 @@
 """Lines on stderr: messages, and the progress of long work."""
 
 import contextlib
+import math
 import os
 import sys
 import time
@@ -8,11 +9,6 @@ from typing import TextIO
 
 from ..errors import shown
 from ..progress import Progress, in_words
-
-PARTS = 10
-"""Lines of progress of counted work in all, where stderr is not a terminal."""
-SAY_EVERY = 5.0
-"""Seconds between lines of progress of uncounted work, where stderr is not one."""
 
 
 def say(text: str) -> None:
@@ -39,7 +35,7 @@ class ProgressLines(Progress):
     """Progress as lines on stderr, to be used in a `with`.
 
     On a terminal each line overwrites the last one, and the end of the `with` ends the
-    line. Elsewhere counted work has a line every tenth, and other work one every few
+    line. Elsewhere counted work has a line every tenth, and other work one every five
     seconds.
     """
 
@@ -48,7 +44,7 @@ class ProgressLines(Progress):
         self._overwrites = self._stream.isatty()
         self._length = 0
         self._last_part: tuple[str, int] | None = None
-        self._last_time = -SAY_EVERY
+        self._last_time = -math.inf
 
     def __enter__(self) -> "ProgressLines":
         return self
@@ -70,10 +66,10 @@ class ProgressLines(Progress):
     def _is_due(self, what, done, total) -> bool:
         """Tell whether the line is written where lines cannot overwrite each other."""
         if total is not None:
-            before, self._last_part = self._last_part, (what, PARTS * done // total)
+            before, self._last_part = self._last_part, (what, 10 * done // total)
             return self._last_part != before
         now = time.monotonic()
-        due = now - self._last_time >= SAY_EVERY
+        due = now - self._last_time >= 5.0
         if due:
             self._last_time = now
         return due

@@ -134,8 +134,6 @@ there."""
 
 
 def _description() -> str:
-    """Describe the study's keys, the laws of contacts that there are, and what is
-    written."""
     from ..finding import shipped
     from ..quantities import own_columns
     from ..rebound import AbstractRebound

@@ -117,7 +117,6 @@ def run(arguments: argparse.Namespace) -> None:
 def _write_store(
     arguments: argparse.Namespace, out: Path, dataset: "xr.Dataset"
 ) -> None:
-    """Compute a sweep into a store of Zarr, and say how much of it was there."""
     from ..lazy import write_zarr
 
     with (
@@ -136,7 +135,7 @@ def in_words(dataset: "xr.Dataset") -> str:
     """Dimensions, outcomes, and the range of each result."""
     import numpy as np
 
-    from ..io.display import align
+    from .._tables import align
     from ..quantities import RESULT_COLUMNS
 
     sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]

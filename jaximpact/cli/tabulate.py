@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
     files = output_files(
         outputs,
         inputs=[arguments.study],
-        beside={manifest_path(csv): manifest_path(csv)} if csv else {},
+        manifests=[manifest_path(csv)] if csv else [],
         journals=[journal],
     )
     with files, resumable():

@@ -184,11 +184,8 @@ class Problem(eqx.Module):
     def rates(
         self, rows, branch: Branch | None = None, stalled: Scalar | float | None = 0.0
     ) -> list[Scalar]:
-        """Rates of all unknowns, rows to rows.
-
-        Args:
-            stalled: steps without progress at the onset, with dashpots.
-        """
+        """Rates of all unknowns, rows to rows; `stalled` counts the steps without
+        progress at the onset, with dashpots."""
 
         def of_contact(motion, now):
             rates = motion_rate(self.ground, motion, now)._asdict()
@@ -290,11 +287,7 @@ def stiffness_of_block(ground: Ground) -> Stiffness:
 def pose(
     scene: Scene, assembly: Assembly, tolerance, floor
 ) -> tuple[Problem, Float[Array, " n"]]:
-    """Make the initial value problem of a scene, and its initial state.
-
-    Args:
-        tolerance, floor: settings of the error control; see `Accuracy`.
-    """
+    """Make the initial value problem of a scene, and its initial state."""
     ground = prepare(scene)
     motion = initial_motion(scene)
     radius = ground.axes.minor

@@ -1,36 +1,35 @@
 """Results of an impact: its numbers, and its course as series over time."""
 
+import dataclasses
 import functools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._settings import own_transfers
+from .._tables import Row, align, html_table
+from .._types import Scalar
 from ..errors import InputError
 from ..laws import Branch
-from ..parameters import Row, html_table, text_table, with_unit
+from ..parameters import with_unit
+from ..quantities import ENERGY_COLUMNS
 from .dynamics import Work, elastic_energy, kinetic_energy
 from .events import Outcome
 from .problem import Problem
+from .reduced_models import FORCES
 
 if TYPE_CHECKING:  # which takes a while to load
     import xarray as xr
-import dataclasses
-
-import equinox as eqx
-
-from .._types import Scalar
-from ..quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 
 Series = Float[Array, "*lanes times"]
 
 SCENE_DIMENSION = "scene"
 """Name of the dimension of scenes side by side."""
-FORCES = ("normal_force", "tangential_force", "moment")
 SERIES = {
     "time": ("s", "time since touch"),
     "penetration": ("m", "u_n, penetration of the centre"),
@@ -101,10 +100,10 @@ class History(NamedTuple):
         return f"History({', '.join(inside)})"
 
     def __str__(self) -> str:
-        return text_table(f"History: {np.shape(self.time)[-1]} times", self._rows())
+        return f"History: {np.shape(self.time)[-1]} times\n{align(self._rows())}"
 
     def _repr_html_(self) -> str:
-        return html_table("History", self._rows())
+        return html_table(["History"], self._rows())
 
     def _rows(self) -> list[Row]:
         of_samples = {
@@ -203,11 +202,7 @@ def history_at(
 
 
 def empty_history(ledger: bool) -> History:
-    """Make a zero-filled history, used as a template of its structure.
-
-    Args:
-        ledger: whether it has the items of the energy ledger.
-    """
+    """Make a zero-filled history, used as a template of its structure."""
     required = [name for name in History._fields if name not in History._field_defaults]
     names = (*required, *(Work._fields if ledger else ()))
     zeros: Any = dict.fromkeys(names, 0.0)
@@ -216,13 +211,8 @@ def empty_history(ledger: bool) -> History:
 
 @functools.partial(jax.jit, inline=True)
 def outside_contact(samples: History, outcome_code, times: Series) -> History:
-    """Complete a history sampled in the contact by the times outside of it.
-
-    Args:
-        samples: NaN after the end; entries before the contact have no meaning.
-        outcome_code: shape (*lanes,).
-        times: all times asked for.
-    """
+    """Complete a history sampled in the contact, NaN after the end and without meaning
+    before the contact, by the times outside of it."""
     code = outcome_code[..., None]
     before, after = times < 0.0, jnp.isnan(samples.time)
     separating = code == Outcome.separating
@@ -281,27 +271,19 @@ class EnergyLedger(NamedTuple):
     @property
     def residual(self) -> Scalar:
         """Error of the balance [J]: its left side less its right side."""
-        return (
-            self.kinetic_in
-            + self.gravity
-            + self.arm
-            + self.stiffness
-            - self.kinetic_out
-            - self.elastic
-            - self.viscoplastic
-            - self.slider
-            - self.dashpot
-        )
+        gains = self.kinetic_in + self.gravity + self.arm + self.stiffness
+        lost = gains - self.kinetic_out - self.elastic
+        return lost - self.viscoplastic - self.slider - self.dashpot
 
     def __repr__(self) -> str:
         items = (f"{name}={value}" for name, value, _ in self._rows())
         return f"EnergyLedger({', '.join(items)})"
 
     def __str__(self) -> str:
-        return text_table("EnergyLedger", self._rows())
+        return f"EnergyLedger\n{align(self._rows())}"
 
     def _repr_html_(self) -> str:
-        return html_table("EnergyLedger", self._rows())
+        return html_table(["EnergyLedger"], self._rows())
 
     def _rows(self) -> list[Row]:
         return [
@@ -321,56 +303,34 @@ LARGEST_DEFINED = 1e200
 
 class ImpactSummary(eqx.Module):
     """The results of an impact, in SI units and radians; n into the ground, t
-    down-slope, rotation clockwise. Of many impacts each is an array."""
+    down-slope, rotation clockwise. Of many impacts each is an array. Meanings are in
+    `RESULT_COLUMNS` and `FURTHER_COLUMNS`."""
 
     e_n: Scalar
-    """Apparent normal coefficient of restitution: of the centre of mass."""
     tangential_ratio: Scalar
     """Apparent tangential coefficient `e_t`; `UNDEFINED` where that is NaN on purpose.
     """
     e_contact: Scalar
-    """Normal coefficient of restitution at the contact point."""
     e_bar: Scalar
-    """Energetic coefficient of restitution."""
     R_r: Scalar
-    """Final ratio of rotational to total kinetic energy."""
     e_n_vijayakumar: Scalar
-    """Apparent normal coefficient of a rigid body with this `e_contact`."""
     max_penetration: Scalar
-    """Largest penetration of the centre."""
     max_sinking: Scalar
-    """Largest penetration of the lowest point."""
     max_normal_force: Scalar
-    """Largest normal force."""
     max_tangential_force: Scalar
-    """Largest magnitude of the tangential force."""
     max_moment: Scalar
-    """Largest magnitude of the moment."""
     time_of_max_penetration: Scalar
-    """Time since touch of the largest penetration of the centre."""
     time_of_max_sinking: Scalar
-    """Time since touch of the largest penetration of the lowest point."""
     time_of_max_normal_force: Scalar
-    """Time since touch of the largest normal force."""
     time_of_max_tangential_force: Scalar
-    """Time since touch of the largest tangential force."""
     time_of_max_moment: Scalar
-    """Time since touch of the largest moment."""
     final_penetration: Scalar
-    """Penetration of the centre as the contact ends: a block that leaves, or rolls on,
-    has to climb out of it."""
     final_sinking: Scalar
-    """Penetration of the lowest point as the contact ends."""
     duration: Scalar
-    """Time in contact."""
     rotation: Scalar
-    """Rotation during contact."""
     normal_velocity: Scalar
-    """Final normal velocity."""
     tangential_velocity: Scalar
-    """Final tangential velocity."""
     angular_velocity: Scalar
-    """Final angular velocity."""
     energy: EnergyLedger | None
     """Energy ledger; None where none was asked for."""
     outcome_code: Scalar
@@ -390,16 +350,6 @@ class ImpactSummary(eqx.Module):
         with jax.debug_nans(False), own_transfers():
             return xp.where(xp.abs(value) > LARGEST_DEFINED, xp.nan, value)
 
-    def __repr__(self) -> str:
-        columns = {**RESULT_COLUMNS, **FURTHER_COLUMNS}.values()
-        units = {column.field: column.unit for column in columns}
-        fields = [field.name for field in dataclasses.fields(ImpactSummary)]
-        names = ["e_t" if name == "tangential_ratio" else name for name in fields]
-        inside = (
-            f"{n}={with_unit(getattr(self, n), units.get(n, '-'))}" for n in names
-        )
-        return f"{type(self).__name__}({', '.join(inside)})"
-
 
 class Solution(NamedTuple):
     """Results of impacts."""
@@ -410,11 +360,7 @@ class Solution(NamedTuple):
 
 
 def empty_summary(ledger: bool) -> ImpactSummary:
-    """Make a zero-filled summary, used as a template of its structure.
-
-    Args:
-        ledger: whether it has an energy ledger.
-    """
+    """Make a zero-filled summary, used as a template of its structure."""
     zeros: Any = dict.fromkeys((f.name for f in dataclasses.fields(ImpactSummary)), 0.0)
     items: Any = dict.fromkeys(EnergyLedger._fields, 0.0)
     zeros["energy"] = EnergyLedger(**items) if ledger else None

@@ -20,11 +20,6 @@ from ..impact.problem import Problem
 from ..laws import Branch
 from .rosenbrock import per_width
 
-ROOT_TOLERANCE = 1.0
-"""Tolerance of a root finder that has none of its own, in units of the error allowed;
-the root finders of diffrax stop at a hundredth of it."""
-
-
 EXPLICIT = diffrax.AbstractERK, diffrax.Euler, diffrax.ReversibleHeun
 
 
@@ -130,10 +125,8 @@ def solver_step(
 
 
 def usable_solver(solver: diffrax.AbstractSolver) -> diffrax.AbstractAdaptiveSolver:
-    """Complete a user's solver for `solver_step`.
-
-    Raises InputError for one that cannot integrate an impact.
-    """
+    """Complete a user's solver for `solver_step`. Raises InputError for one that cannot
+    integrate an impact."""
     name = type(solver).__name__
     if not isinstance(solver, diffrax.AbstractAdaptiveSolver):
         raise InputError(
@@ -183,7 +176,8 @@ def _completed(solver) -> Any:
         )
     if isinstance(solver, diffrax.AbstractImplicitSolver):
         finder = solver.root_finder
-        wanted = {"rtol": 0.0, "atol": ROOT_TOLERANCE, "norm": optx.max_norm}
+        # The root finders of diffrax stop at a hundredth of the error allowed.
+        wanted = {"rtol": 0.0, "atol": 1.0, "norm": optx.max_norm}
         # diffrax marks what it would fill in by an object of a class of its own.
         missing = [
             name

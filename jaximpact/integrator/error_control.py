@@ -32,10 +32,8 @@ SMALLEST_FACTOR, LARGEST_FACTOR = 0.2, 10.0
 
 
 class ErrorControl(diffrax.AbstractStepSizeController):
-    """PI step size control by the error of a solver, in units of what is allowed.
-
-    Its state is the error of the last step that was accepted.
-    """
+    """PI step size control by the error of a solver, in units of what is allowed; its
+    state is the error of the last step that was accepted."""
 
     def wrap(self, direction):
         return self

@@ -53,11 +53,8 @@ def advance(
     width: Scalar,
     solver: diffrax.AbstractAdaptiveSolver | None = None,
 ) -> tuple[Course, Course]:
-    """Take one step of the package's method, or of another solver.
-
-    Returns:
-        The course after the step, and its errors in units of what is allowed.
-    """
+    """Take one step of the package's method, or of another solver. Returns the course
+    after the step, and its errors in units of what is allowed."""
     # `jit` keeps diffrax from tracing the step four times over.
     branch = branch_of(course.fold.watched.switches)
     if solver is None:
@@ -106,10 +103,8 @@ def _rodas5p(problem: Problem, course: Course, width: Scalar, branch: Branch):
 
 
 class FoldingSolver(diffrax.AbstractAdaptiveSolver):
-    """A solver of the state vector that accumulates results over the steps.
-
-    The error it returns is in units of what is allowed.
-    """
+    """A solver of the state vector that accumulates results over the steps, and returns
+    errors in units of what is allowed."""
 
     solver: diffrax.AbstractAdaptiveSolver | None = eqx.field(default=None, static=True)
     """Another solver of diffrax; None for the package's method."""

@@ -35,13 +35,7 @@ force fades: that block has detached."""
 
 
 def outcome_code(end: End, normal_force: Scalar, separating: Scalar) -> Scalar:
-    """Outcome as a float, so that it can pass through differentiation.
-
-    Args:
-        end: end of the integration.
-        normal_force: normal force there [N].
-        separating: whether there was no impact.
-    """
+    """Outcome as a float, so that it can pass through differentiation."""
     margins = jnp.stack(end.margins)
     fired = jnp.argmin(margins)
     fired = jnp.where(margins[0] <= DETACHED_WITHIN, 0, fired)

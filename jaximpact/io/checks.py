@@ -5,8 +5,8 @@ import functools
 import math
 import os
 import warnings
-from collections.abc import Collection, Iterable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Collection, Iterable
+from typing import Any
 
 import jax
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .._checks import expect, real_numbers
 from .._jax_internals import Tracer, broadcast_shapes
-from ..errors import InputError, UnusualValueWarning, nearest
+from ..errors import InputError, UnusualValueWarning
 from ..identity import heed_edits, is_ours
 from ..parameters import parts_of
 from ..part_checks import check_part
@@ -26,10 +26,7 @@ from ..quantities import (
     leaf_places,
     why_unknown,
 )
-from ..scene import Block, Impact, Scene, Soil
-
-Chosen = TypeVar("Chosen")
-KINDS = {"block": Block, "soil": Soil, "impact": Impact}
+from ..scene import KINDS, Scene, Soil
 
 
 def _memory() -> float:
@@ -65,9 +62,7 @@ def check_scene(
     laws: bool = True,
 ) -> None:
     """Raise InputError, in one sentence, for the first value that is out of range, and
-    for a part of another kind.
-
-    Values that JAX traces are not known and pass.
+    for a part of another kind. Values that JAX traces are not known and pass.
 
     Args:
         batched: allow arrays; else every field must be a scalar.
@@ -97,12 +92,8 @@ def check_scene(
 
 
 def usual_values(structure: Any, leaves: list) -> np.ndarray | None:
-    """Return the numbers of a single impact, if all are usual; None where `check_scene`
-    has to look closer. Takes a tenth of its time.
-
-    Args:
-        structure, leaves: the scene as a pytree.
-    """
+    """Return the numbers of a single impact, from a scene as a pytree, if all are
+    usual; None where `check_scene` has to look closer. Takes a tenth of its time."""
     limits = _limits(structure)
     if limits is None or any(isinstance(leaf, Tracer) for leaf in leaves):
         return None
@@ -146,26 +137,22 @@ def _limits(structure: Any) -> tuple[np.ndarray, ...] | None:
 
 
 def check_times(
-    name: str, times: ArrayLike, lanes: tuple[int, ...]
+    times: ArrayLike, lanes: tuple[int, ...]
 ) -> tuple[np.ndarray | jax.Array, tuple[int, ...]]:
-    """Times at which histories are wanted, as float64 numbers, and the shape of the
-    impacts by times and scenes.
+    """Return the times at which histories are wanted, as float64 numbers, and the shape
+    of the impacts by times and scenes, of which `lanes` is the shape.
 
     Raises InputError for what is no series of numbers, for NaN, and for axes before
     that of time that do not broadcast with those of the scenes.
-
-    Args:
-        name: what an error calls them.
-        lanes: shape of the scenes.
     """
-    times = real_numbers(name, times)
+    times = real_numbers("save_at", times)
     if not times.ndim:
-        raise InputError(f"{name} must be a series of times, but is one: {times}")
+        raise InputError(f"save_at must be a series of times, but is one: {times}")
     try:
         shape = broadcast_shapes(lanes, times.shape[:-1])
     except ValueError:
         raise InputError(
-            f"{name} has the shape {times.shape}; need (times,), or axes before that "
+            f"save_at has the shape {times.shape}; need (times,), or axes before that "
             f"of time that broadcast with those of the scenes, {lanes}"
         ) from None
     if isinstance(times, Tracer):
@@ -173,7 +160,7 @@ def check_times(
     times = np.asarray(times, float)
     if np.any(np.isnan(times)):
         index = int(np.argmax(np.isnan(times)))
-        raise InputError(f"{name} must be times in seconds, but time {index} is NaN")
+        raise InputError(f"save_at must be times in seconds, but time {index} is NaN")
     return times, shape
 
 
@@ -185,8 +172,7 @@ def _check_field(
     caller's caller."""
     values = np.asarray(value)
     # Both ends tell whether there is anything to look for; NaN is both.
-    ends = (values,) if values.ndim == 0 else (np.min(values), np.max(values))
-    low, high = float(ends[0]) / column.factor, float(ends[-1]) / column.factor
+    ends = np.array([np.min(values), np.max(values)]) / column.factor
 
     def describe_first(bad: np.ndarray) -> str:
         """Name the first of the bad values, with its index."""
@@ -195,21 +181,21 @@ def _check_field(
         first = float(np.ravel(values)[index])
         return column.describe(first, column.si_unit, where if values.ndim else "")
 
-    if not (column.holds(low) and column.holds(high)):
+    if not np.all(column.is_allowed(ends)):
         bad = ~column.is_allowed(values / column.factor)
         raise InputError(
             f"{name} must be {column.requirement}, but is {describe_first(bad)}"
         )
-    if warn and not (column.is_usual(low) and column.is_usual(high)):
+    if warn and np.any(column.is_unusual(ends)):
         text = f"{name} is {describe_first(column.is_unusual(values / column.factor))}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)
 
 
 def check_memory(numbers: float, what: str, **place) -> None:
-    """Raise InputError unless so many numbers fit into this machine's memory.
+    """Raise InputError unless so many numbers of eight bytes, at least, fit into this
+    machine's memory.
 
     Args:
-        numbers: least count of numbers of eight bytes.
         what: what they belong to, to stand before "would take".
         place: file, row, column and key of the error.
     """
@@ -238,20 +224,3 @@ def checked_names(
         if names.count(name) > 1:
             raise InputError(f"{kind} {name} stands twice; remove one")
     return names
-
-
-def chosen_values(
-    option: str, names: Collection[str], known: Mapping[str, Chosen]
-) -> list[Chosen]:
-    """Return the known values of the given names, in the order of the known; all for no
-    names.
-
-    Raises InputError for a name that is not known, with the nearest known.
-    """
-    for name in names:
-        if name not in known:
-            raise InputError(
-                f"{option} takes {', '.join(known)}, but got {name!r}; did you mean "
-                f"{nearest(name, known)!r}?"
-            )
-    return [value for name, value in known.items() if not names or name in names]

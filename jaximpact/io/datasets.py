@@ -56,15 +56,22 @@ class Input(NamedTuple):
     """One value for each scene, in the unit of the column."""
     axes: tuple[int, ...]
     """The axes of the scenes along which the values differ."""
+    kinds: tuple[type[AbstractShape], ...]
+    """Shapes that have it as a parameter, where others of the scenes' have not."""
 
 
 def inputs_of(scene: Scene, shape: tuple[int, ...]) -> dict[str, Input]:
     """Return every quantity of scenes whose fields broadcast to a shape, by its
     column."""
     inputs = {}
+    mixed = scene.block.shape
     for name, column in columns_of(scene).items():
         values = np.broadcast_to(value_of(scene, column), shape)
-        inputs[name] = Input(column, values, varying_axes(values))
+        kinds = ()
+        if isinstance(mixed, MixedShapes) and column.part == "block":
+            kinds = tuple(k for k in mixed.kinds if column.field in declared_of(k))
+            kinds = kinds if len(kinds) < len(mixed.kinds) else ()
+        inputs[name] = Input(column, values, varying_axes(values), kinds)
     return inputs
 
 
@@ -87,16 +94,6 @@ def kind_of_each(scene: Scene, shape: tuple[int, ...]) -> np.ndarray | None:
     return kinds[np.broadcast_to(np.asarray(mixed.index, int), shape)]
 
 
-def _is_of_some(column: InputColumn, scene: Scene) -> bool:
-    """Whether a quantity is a parameter of some of the scenes' shapes, and not of
-    all."""
-    shape = scene.block.shape
-    if column.part != "block" or not isinstance(shape, MixedShapes):
-        return False
-    has = [column.field in declared_of(kind) for kind in shape.kinds]
-    return any(has) and not all(has)
-
-
 def frame_of(summary: ImpactSummary, scene: Scene, all_inputs: bool) -> pd.DataFrame:
     """Make the data frame that `ImpactResult.to_dataframe` gives: one row an impact,
     under the names of the tables."""
@@ -107,12 +104,12 @@ def frame_of(summary: ImpactSummary, scene: Scene, all_inputs: bool) -> pd.DataF
         columns |= unusual_parts(scene)
     if kinds is not None and (all_inputs or varying_axes(kinds)):
         columns[SHAPE] = [text_of(kind) for kind in kinds.flat]
-    for name, (column, values, axes) in inputs_of(scene, shape).items():
+    for name, (_, values, axes, of_kinds) in inputs_of(scene, shape).items():
         if not axes and not all_inputs:
             continue
         columns[name] = values.ravel()
-        if kinds is not None and _is_of_some(column, scene):
-            has = [column.field in declared_of(kind) for kind in kinds.flat]
+        if kinds is not None and of_kinds:
+            has = [kind in of_kinds for kind in kinds.flat]
             columns[name] = np.where(has, values.ravel(), np.nan)
     for name, column in RESULT_COLUMNS.items():
         columns[name] = np.ravel(np.asarray(getattr(summary, column.field)))
@@ -158,14 +155,7 @@ def dataset_of_impacts(
         if name == SHAPE or name not in coordinates
     }
     return dataset_of(
-        summary,
-        accuracy,
-        dimensions,
-        shape,
-        coordinates,
-        base,
-        values,
-        different,
+        summary, accuracy, dimensions, shape, coordinates, base, values, different
     )
 
 
@@ -183,9 +173,7 @@ def dataset_of(
 
     Args:
         summary: one impact, or as many as `shape` holds.
-        accuracy: used for them.
         dimensions: their names. shape: their lengths.
-        coordinates: as `xr.Dataset` takes them.
         base: laws and shape. values: its quantities, as `scene_values` gives them.
         kinds: classes of shapes, where they vary.
     """
@@ -281,10 +269,10 @@ def scene_coordinates(
     of_shape = () if kinds is None else varying_axes(kinds)
     if kinds is not None and of_shape:
         coordinates[SHAPE] = shape_coordinate(*along(of_shape, kinds))
-    for name, (column, values, axes) in inputs_of(scene, shape).items():
+    for name, (column, values, axes, of_kinds) in inputs_of(scene, shape).items():
         if not axes and name in dimensions:
             axes = (list(dimensions).index(name),)
-        if not axes and _is_of_some(column, scene):
+        if not axes and of_kinds:
             axes = of_shape
         if axes:
             coordinates[name] = (*along(axes, values), attributes_of(column))
@@ -292,7 +280,6 @@ def scene_coordinates(
 
 
 def _check_dimensions(dimensions: Sequence[str], shape: tuple[int, ...]) -> None:
-    """Raise InputError for what cannot be the names of the axes."""
     texts = isinstance(dimensions, Sequence) and not isinstance(dimensions, str)
     if not texts or not all(isinstance(name, str) for name in dimensions):
         raise InputError(f"dims must be a tuple of names, but is {dimensions!r}")
@@ -352,7 +339,6 @@ def read_netcdf(path: Path) -> xr.Dataset:
 
 
 def _with_names(dataset: xr.Dataset, recode: Callable[[str], str]) -> xr.Dataset:
-    """Change the names of dimensions, variables and attributes."""
     names = {name: recode(str(name)) for name in (*dataset.dims, *dataset.variables)}
     renamed = dataset.rename({old: new for old, new in names.items() if old != new})
     for holder in (renamed, *renamed.variables.values()):

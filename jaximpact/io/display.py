@@ -1,12 +1,11 @@
-"""Text in columns, and results as they show themselves in Python and in notebooks."""
+"""Results as they show themselves in Python and in notebooks."""
 
-import html
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._tables import Row, align, html_table
 from ..impact.events import Outcome
 from ..impact.results import ImpactSummary
 from ..quantities import RESULT_COLUMNS
@@ -20,59 +19,24 @@ SHOWN_OF_MANY = ("e_n", "e_t", "e_bar", "max_penetration_m", "max_normal_force_N
 WITHOUT_NUMBERS = (Outcome.separating, Outcome.failed)
 """Outcomes without an impact, or without its numbers; left out of statistics."""
 
-Rows = list[tuple[str, ...]]
 
-
-def align(rows: Sequence[tuple[str, ...]]) -> str:
-    """Write rows of cells as text in columns, indented by two."""
-    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
-    lines = (
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        for row in rows
-    )
-    return "\n".join(f"  {line}".rstrip() for line in lines)
-
-
-def as_text(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -> str:
-    """Write a result as text: of one impact its numbers with units, of many their
-    outcomes and statistics.
+def heads_and_rows(
+    summary: ImpactSummary, scene: Scene, accuracy: str, history: Any
+) -> tuple[list[str], list[Row]]:
+    """Write a result as lines and a table: of one impact its numbers with units, of
+    many their outcomes and statistics.
 
     Args:
         accuracy: name of the setting.
         history: of the impacts, or None; its times are counted.
     """
-    heads, rows = _heads_and_rows(summary, scene, accuracy, history)
-    return "\n".join([*heads, *([align(rows)] if rows else [])])
-
-
-def as_html(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -> str:
-    """Write a result as HTML: the lines of `as_text`, and a table."""
-    return _html(*_heads_and_rows(summary, scene, accuracy, history))
-
-
-def _html(heads: list[str], rows: Rows) -> str:
-    # The row of headings has no name in front.
-    lines = [f"<div>{html.escape(head.strip())}</div>" for head in heads]
-    for row in rows:
-        tag = "td" if row[0] else "th"
-        cells = (f"<{tag}>{html.escape(cell)}</{tag}>" for cell in row)
-        lines.append(f"<tr>{''.join(cells)}</tr>")
-    if rows:
-        lines.insert(len(heads), "<table>")
-        lines.append("</table>")
-    return "".join(lines)
-
-
-def _heads_and_rows(
-    summary: ImpactSummary, scene: Scene, accuracy: str, history: Any
-) -> tuple[list[str], Rows]:
     shape = np.shape(summary.outcome_code)
     if shape:
         return _many(summary, scene, shape, accuracy)
     head = f"ImpactResult: {Outcome(int(summary.outcome_code))}, accuracy {accuracy}"
     if history is not None:
         head += f", history of {len(history.time)} times"
-    rows: Rows = [
+    rows: list[Row] = [
         (name, _text(getattr(summary, column.field)), column.unit, column.meaning)
         for name, column in RESULT_COLUMNS.items()
     ]
@@ -81,7 +45,7 @@ def _heads_and_rows(
 
 def _many(
     summary: ImpactSummary, scene: Scene, shape: tuple[int, ...], accuracy: str
-) -> tuple[list[str], Rows]:
+) -> tuple[list[str], list[Row]]:
     counts = count_outcomes(summary)
     outcomes = [f"{count} {outcome}" for outcome, count in counts.items()]
     heads = [
@@ -96,7 +60,7 @@ def _many(
     if without:
         left_out = ", ".join(f"{counts[name]} {name}" for name in without)
         heads.append(f"  left out of the statistics: {left_out}")
-    rows: Rows = [("", "unit", "impacts", "least", "median", "largest")]
+    rows: list[Row] = [("", "unit", "impacts", "least", "median", "largest")]
     for name in SHOWN_OF_MANY:
         column = RESULT_COLUMNS[name]
         values = np.asarray(getattr(summary, column.field))[counted]
@@ -120,10 +84,13 @@ def _text(value) -> str:
     return f"{float(value):.6g}"
 
 
+Rows = list[Row]
+
+
 class ShownAsTable:
     """Base of classes that show themselves as a heading and a table of values."""
 
-    def display_rows(self) -> tuple[str, Rows]:
+    def display_rows(self) -> tuple[str, list[Row]]:
         """Give the heading, and rows of name, value and unit."""
         raise NotImplementedError
 
@@ -133,7 +100,7 @@ class ShownAsTable:
 
     def _repr_html_(self) -> str:
         head, rows = self.display_rows()
-        return _html([head], rows)
+        return html_table([head], rows)
 
 
 def range_of(values: ArrayLike) -> str:

@@ -75,10 +75,10 @@ def _open_at_once(path: str, flags: int) -> int:
     return os.open(path, flags | WITHOUT_WAITING)
 
 
-def read_text(path: Path, *, once: bool = True) -> str:
+def read_text(path: Path) -> str:
     """Read a text in UTF-8, with or without a byte order mark; InputError for others,
     and as `read_input`."""
-    return as_text(path, read_input(path, once=once))
+    return as_text(path, read_input(path))
 
 
 def as_text(path: Path, data: bytes) -> str:
@@ -172,8 +172,7 @@ def make_directory(path: Path, *, option: str) -> None:
 def check_writable(path: Path, *, option: str) -> None:
     """Raise InputError, naming the option, unless `replacing(path)` will work.
 
-    To be called before a long computation. Devices and pipes are refused, since they
-    would be replaced by a file.
+    Devices and pipes are refused, since they would be replaced by a file.
     """
     try:
         target = target_of(path)
@@ -228,8 +227,6 @@ def target_of(path: Path) -> Path:
 
 
 def _check_file(path: Path, target: Path, option: str = "an output") -> None:
-    """Raise InputError for a device, a pipe or a directory, which a file would
-    replace."""
     if target.exists() and not target.is_file():
         raise InputError(f"{option} must be a file, but {path} is something else")
 

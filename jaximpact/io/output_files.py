@@ -150,10 +150,7 @@ def journal_path(path: Path) -> Path:
 @contextlib.contextmanager
 def replacing_with_manifest(path: Path, manifest: Mapping) -> Iterator[Path]:
     """Give a temporary path for results, as `replacing` does; they appear with their
-    manifest beside them.
-
-    Raises OSError where the file system refuses.
-    """
+    manifest beside them."""
     with replacing(manifest_path(path)) as beside, replacing(path) as temporary:
         put_text(beside, json.dumps(manifest, indent=2) + "\n")
         yield temporary
@@ -164,7 +161,7 @@ def output_files(
     outputs: Mapping[str, Path],
     *,
     inputs: Iterable[Path] = (),
-    beside: Mapping[Path, Path] | None = None,
+    manifests: Iterable[Path] = (),
     journals: Iterable[Path] = (),
 ) -> Iterator[None]:
     """Write files, each whole and each by one process; to be entered before a long
@@ -173,16 +170,14 @@ def output_files(
     Args:
         outputs: by their options. Those that are there are to be replaced.
         inputs: files that the run reads.
-        beside: further files that will be written, and the manifest that says of one
-            which is there that it may be replaced.
+        manifests: of the outputs; those that are there may be replaced.
         journals: of the run; removed when the block ends without an error.
 
     Raises InputError for outputs that cannot be written, are inputs, or belong to other
     results; BlockingIOError while another process writes one of them.
     """
-    beside = dict(beside or {})
-    journals = [*journals]
-    written = [*outputs.items(), *((BESIDE, path) for path in (*beside, *journals))]
+    manifests, journals = [*manifests], [*journals]
+    written = [*outputs.items(), *((BESIDE, path) for path in (*manifests, *journals))]
     refuse_inputs(written, inputs)
     seen = {}
     for what, path in written:
@@ -193,8 +188,8 @@ def output_files(
         check_writable(path, option=what)
     for option, path in outputs.items():
         _check_unowned(option, path)
-    for path, manifest in beside.items():
-        if path.exists() and not _is_manifest(manifest):
+    for path in manifests:
+        if path.exists() and not _is_manifest(path):
             raise InputError(
                 f"{path} is in the way, and no manifest says that jaximpact wrote it; "
                 "move it, or choose another name of results"

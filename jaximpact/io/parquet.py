@@ -25,10 +25,8 @@ def is_parquet(path: Path) -> bool:
 
 
 def csv_of_parquet(path: Path, data: bytes) -> bytes:
-    """Return the bytes of a file of Parquet as those of a CSV.
-
-    Raises InputError for what is no such file, and where pyarrow is not installed.
-    """
+    """Return the bytes of a file of Parquet as those of a CSV. Raises InputError for
+    what is no such file, and where pyarrow is not installed."""
     needed("pyarrow", f"{path}, a table in Parquet,")
     arrow: Any = needed("pyarrow.lib", f"{path}, a table in Parquet,")
     try:
@@ -42,11 +40,7 @@ def csv_of_parquet(path: Path, data: bytes) -> bytes:
 
 
 def write_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
-    """Write columns to a file of Parquet, in one go.
-
-    Raises InputError where pyarrow is not installed, OSError where the file system
-    refuses.
-    """
+    """Write columns to a file of Parquet, in one go."""
     needed("pyarrow", f"{path}, a table in Parquet,")
     with open(path, "wb") as file:
         pd.DataFrame(dict(columns)).to_parquet(file, engine="pyarrow", index=False)

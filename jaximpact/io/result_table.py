@@ -89,7 +89,6 @@ def write_results(
 
 
 def _columns(table: SceneTable, summary: ImpactSummary) -> dict[str, np.ndarray]:
-    """Collect the columns of the table with its results: numbers, and texts."""
     names = next(csv.reader([table.header]))
     cells = zip(*csv.reader(table.rows), strict=True)
     columns = {
@@ -102,7 +101,6 @@ def _columns(table: SceneTable, summary: ImpactSummary) -> dict[str, np.ndarray]
 
 
 def _lines(table: SceneTable, summary: ImpactSummary) -> Iterator[Iterator[str]]:
-    """Yield the lines of one slice of rows after another."""
     columns = [np.asarray(getattr(summary, c.field)) for c in RESULT_COLUMNS.values()]
     outcomes = outcomes_in_words(summary.outcome_code)
     for start in itertools.count(0, SLICE_ROWS):

@@ -124,9 +124,7 @@ def read_table(
     """
     path = Path(path)
     data = read_input(path)
-    if not is_parquet(path):
-        return table_of(data, path, measured=measured, base=base)
-    text = csv_of_parquet(path, data)
+    text = csv_of_parquet(path, data) if is_parquet(path) else data
     table = table_of(text, path, measured=measured, base=base)
     return dataclasses.replace(table, sha256=hashlib.sha256(data).hexdigest())
 
@@ -141,17 +139,23 @@ def table_of(
         path: what errors call it.
     """
     check_text(path, data)
-    records = records_of(path, data)
+    with located(file=path):
+        table = _table_of(data, path, measured, Scene() if base is None else base)
+    _warn_of_unusual(table)
+    return table
+
+
+def _table_of(data: bytes, path: Path, measured: bool, base: Scene) -> SceneTable:
+    records = records_of(data)
     first = next(records, None)
     if first is None:
-        raise InputError("is empty; a header and rows are needed", file=path)
+        raise InputError("is empty; a header and rows are needed")
     header_line, header, cells = first
     names = [cell.strip() for cell in cells]
-    base = Scene() if base is None else base
     if any(name in SLOTS for name in names):
-        base = _with_named_parts(path, data, names, base)
+        base = _with_named_parts(data, names, base, path.parent)
     columns = columns_of(base)
-    _check_header(path, header_line, names, columns, measured)
+    _check_header(header_line, names, columns, measured)
     labels = {name: [] for name in names if name in LABEL_COLUMNS and measured}
     signs = {name: [] for name in names if name in TARGET_COLUMNS}
     texts_only = {*LABEL_COLUMNS, *SLOTS, OUTCOME_COLUMN}
@@ -161,9 +165,9 @@ def table_of(
     starts: list[np.ndarray] = []
     while piece := list(itertools.islice(records, SLICE_ROWS)):
         lines, texts, cells_of_rows = zip(*piece, strict=True)
-        _check_lengths(path, lines, cells_of_rows, len(names))
+        _check_lengths(lines, cells_of_rows, len(names))
         for name, column in zip(names, zip(*cells_of_rows, strict=True), strict=True):
-            cells = _Cells(path, name, lines, column, len(rows))
+            cells = _Cells(name, lines, column, len(rows))
             if name in labels:
                 labels[name] += [cell.strip() for cell in column]
             elif name in columns:
@@ -176,17 +180,14 @@ def table_of(
         rows += texts
         starts.append(np.array(lines))
     if not rows:
-        raise InputError("has a header but no rows", file=path)
-    numbers = {name: np.concatenate(pieces) for name, pieces in parts.items()}
-    lines = np.concatenate(starts)
-    _warn_of_unusual(path, columns, numbers, lines)
+        raise InputError("has a header but no rows")
     return SceneTable(
         path=path,
         sha256=hashlib.sha256(data).hexdigest(),
         header=header,
         rows=rows,
-        numbers=numbers,
-        lines=lines,
+        numbers={name: np.concatenate(pieces) for name, pieces in parts.items()},
+        lines=np.concatenate(starts),
         censored={name: np.concatenate(pieces) for name, pieces in signs.items()},
         labels=labels,
         base=base,
@@ -196,8 +197,8 @@ def table_of(
 # --- Records and header.
 
 
-def records_of(path: Path, data: bytes) -> Iterator[tuple[int, str, list[str]]]:
-    """Return the line number, text and cells of each record of a CSV that is not blank.
+def records_of(data: bytes) -> Iterator[tuple[int, str, list[str]]]:
+    """Yield the line number, text and cells of each record of a CSV that is not blank.
     Raises InputError, naming the row, for what is no CSV."""
     file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
     lines, same_lines = itertools.tee(file)
@@ -212,23 +213,17 @@ def records_of(path: Path, data: bytes) -> Iterator[tuple[int, str, list[str]]]:
                 yield first, text, cells
             first += count
     except csv.Error as error:
-        raise InputError(f"is not valid CSV: {error}", file=path, row=first) from error
+        raise InputError(f"is not valid CSV: {error}", row=first) from error
 
 
 def _check_header(
-    path: Path,
-    line: int,
-    names: list[str],
-    columns: Mapping[str, InputColumn],
-    measured: bool,
+    line: int, names: list[str], columns: Mapping[str, InputColumn], measured: bool
 ) -> None:
-    """Raise InputError for the first name that cannot stand in the header."""
     for separator, word in ((";", "';'"), ("\t", "tabs")):
         if any(separator in name for name in names):
             raise InputError(
                 f"columns are separated by {word}; separate them by ',' and write "
                 "decimals with a point",
-                file=path,
                 row=line,
             )
     results = (*TARGET_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS, TIME_COLUMN)
@@ -249,41 +244,40 @@ def _check_header(
             )
         else:
             continue
-        raise InputError(problem, file=path, row=line, column=name or str(index + 1))
+        raise InputError(problem, row=line, column=name or str(index + 1))
 
 
-def _check_lengths(path: Path, lines, cells_of_rows, count: int) -> None:
+def _check_lengths(lines, cells_of_rows, count: int) -> None:
     if set(map(len, cells_of_rows)) == {count}:
         return
     for line, cells in zip(lines, cells_of_rows, strict=True):
         if len(cells) != count:
             hint = "; write decimals with a point" if len(cells) > count else ""
             raise InputError(
-                f"has {len(cells)} cells, but the header has {count}{hint}",
-                file=path,
-                row=line,
+                f"has {len(cells)} cells, but the header has {count}{hint}", row=line
             )
 
 
 # --- Laws and shapes that cells name.
 
 
-def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) -> Scene:
-    """Return the scene with the laws and the shapes that the rows name."""
+def _with_named_parts(
+    data: bytes, names: list[str], base: Scene, directory: Path
+) -> Scene:
     slots = [(index, name) for index, name in enumerate(names) if name in SLOTS]
     parts: dict[tuple[str, str], Part] = {}
     laws: dict[str, str] = {}
     kinds = []
-    for line, _, cells in itertools.islice(records_of(path, data), 1, None):
-        _check_lengths(path, [line], [cells], len(names))
+    for line, _, cells in itertools.islice(records_of(data), 1, None):
+        _check_lengths([line], [cells], len(names))
         for index, slot in slots:
             text = cells[index].strip()
             key = slot, text
-            with located(file=path, row=line, column=slot):
+            with located(row=line, column=slot):
                 if not text:
                     raise InputError("is empty, but a name is needed")
                 if key not in parts:
-                    parts[key] = part_named(slot, text, path.parent)
+                    parts[key] = part_named(slot, text, directory)
                 if slot != SHAPE and laws.setdefault(slot, text) != text:
                     raise InputError(
                         f"must be the same law in all rows, but is {text} after "
@@ -291,11 +285,8 @@ def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) ->
                     )
             if slot == SHAPE:
                 kinds.append(type(parts[key]))
-    with located(file=path):
-        base = with_parts(base, laws, path.parent)
-        base = with_shapes(base, kinds) if kinds else base
-        columns_of(base)  # which are two of one name where laws do not fit together
-        return base
+    base = with_parts(base, laws, directory)
+    return with_shapes(base, kinds) if kinds else base
 
 
 # --- Columns of numbers.
@@ -304,7 +295,6 @@ def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) ->
 class _Cells(NamedTuple):
     """Cells of one column, in a slice of the rows or some of them."""
 
-    path: Path
     name: str
     lines: Sequence[int]
     texts: Sequence[str]
@@ -312,8 +302,7 @@ class _Cells(NamedTuple):
     """Index of the slice's first row in the table."""
 
     def error(self, index: int, problem: str) -> InputError:
-        line = self.lines[index]
-        return InputError(problem, file=self.path, row=line, column=self.name)
+        return InputError(problem, row=self.lines[index], column=self.name)
 
     def some(self, indices: Sequence[int]) -> "_Cells":
         lines, texts = ([each[k] for k in indices] for each in (self.lines, self.texts))
@@ -370,11 +359,8 @@ def _measurements(cells: _Cells) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
-    """Read a column's cells as checked numbers, in the column's unit.
-
-    Args:
-        column: of a parameter of the scene.
-    """
+    """Read a column's cells as checked numbers, in the column's unit; `column` is that
+    of a parameter of the scene."""
     texts = cells.texts
     try:
         values = np.fromiter(map(float, texts), float, len(texts))
@@ -430,24 +416,20 @@ def reads_as_number(cell: str) -> bool:
     return "_" not in cell and cell.strip().isascii()
 
 
-def _warn_of_unusual(
-    path: Path,
-    columns: Mapping[str, InputColumn],
-    numbers: dict[str, np.ndarray],
-    lines: np.ndarray,
-) -> None:
-    for name, values in numbers.items():
-        column = columns.get(name)
-        if column is None or (
-            column.is_usual(np.nanmin(values)) and column.is_usual(np.nanmax(values))
-        ):
+def _warn_of_unusual(table: SceneTable) -> None:
+    columns = columns_of(table.base)
+    for name, values in table.numbers.items():
+        if name not in columns:
             continue
+        column = columns[name]
         bad = column.is_unusual(values)
+        if not np.any(bad):
+            continue
         index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
         where = f" and {more} more rows" if more else ""
         warnings.warn(
             UnusualValueWarning(
-                f"{path}, row {lines[index]}, column {name}: is "
+                f"{table.path}, row {table.lines[index]}, column {name}: is "
                 f"{column.describe(values[index], column.unit, where)}",
                 name,
             ),

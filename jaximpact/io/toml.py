@@ -108,7 +108,6 @@ def _escape(text: str, error: tomllib.TOMLDecodeError) -> str:
 
 
 def _check_value(key: Key, value: Any, depth: int = 0) -> None:
-    """Raise InputError for what no key may hold."""
     if depth == DEEPEST:
         raise Key(key.file).error(TOO_DEEP)
     if isinstance(value, dict):
@@ -225,7 +224,7 @@ def number(
 def allowed(key: Key, column: InputColumn, value) -> float:
     """Read a number that the column may hold, in its unit."""
     checked = number(key, value)
-    if not column.holds(checked):
+    if not column.is_allowed(checked):
         hint = column.hint(checked, column.unit)
         raise key.error(f"must be {column.requirement}, but is {value}{hint}")
     return checked
@@ -235,7 +234,7 @@ def quantity(key: Key, column: InputColumn, value) -> float:
     """Read a number that the column may hold, in its unit, as something has it; warns
     of one that is unusual."""
     checked = allowed(key, column, value)
-    if not column.is_usual(checked):
+    if column.is_unusual(checked):
         description = column.describe(checked, column.unit)
         text = f"{key.file}, key {key.name}: is {description}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
@@ -244,13 +243,8 @@ def quantity(key: Key, column: InputColumn, value) -> float:
 
 def with_named_parts(key: Key, table: Mapping, whole: Composite) -> Composite:
     """Return a soil or a block with the laws or the shape that a table names; its other
-    keys are passed over.
-
-    Args:
-        key: of the table; files of laws are looked for from its file's directory.
-
-    Raises InputError, naming file and key, for a name that cannot be used.
-    """
+    keys are passed over. Files of laws are looked for from the directory of the key's
+    file."""
     parts = {
         slot: _named_part(key[slot], slot, table[slot])
         for slot in parts_of(type(whole))
@@ -328,7 +322,6 @@ def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> Scene
 
 
 def _with_parts(top: Key, names: Found) -> Scene:
-    """Return the usual scene with the laws and the shape that a file names, by slot."""
     parts: dict[str, dict[str, Part]] = {part: {} for part in PARTS}
     for slot, (table, name) in names.items():
         _check_table(top[slot], table, SLOTS[slot])
@@ -345,7 +338,6 @@ def _with_parts(top: Key, names: Found) -> Scene:
 def _values(
     top: Key, numbers: Found, base: Scene, others: tuple[str, ...]
 ) -> dict[str, float]:
-    """Read the quantities of a file by their columns, checked."""
     columns, values = columns_of(base), {}
     for name, (table, value) in numbers.items():
         if name not in columns:

@@ -5,7 +5,7 @@ import json
 import math
 import warnings
 from collections.abc import Hashable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import numpy as np
@@ -48,23 +48,8 @@ BLOCK_BYTES = 8 * 2**17
 """Bytes of one number of all impacts of a block where chunks are "auto": 131 072
 impacts, some seconds of work of a core, which a scheduler can wait for and a worker may
 lose. All numbers of them take 26 MB."""
-NUMBERS_PER_BLOCK = 256
-"""Least memory that Dask needs for a block's tasks, in numbers of eight bytes."""
 Chunks = int | str | tuple | Mapping[str, Any]
 """Lengths of blocks: as `xarray.Dataset.chunk` and `dask.array` take them."""
-
-
-class _Block(NamedTuple):
-    """Data that all blocks of a dataset have in common."""
-
-    base: Scene
-    names: tuple[str, ...]
-    """Quantities of the arrays; the shape is an index."""
-    kinds: tuple[type[AbstractShape], ...]
-    """Shapes that the index means."""
-    accuracy: Accuracy
-    called: str
-    """What errors call an impact: it is counted within its block."""
 
 
 def simulate_dataset(
@@ -129,10 +114,8 @@ def lazy_grid(
     for.
 
     Args:
-        base: a single scene, checked.
         axes: dimension -> quantities that vary along it, checked, in the units of their
             columns; of the shape, classes.
-        coordinates: of the dataset.
         chunks: a length for all dimensions, `"auto"`, or lengths by dimension.
 
     Raises InputError for chunks that do not fit or are too many, and where Dask is not
@@ -153,7 +136,7 @@ def lazy_grid(
     lengths = _lengths(sizes, chunks)
     blocks = math.prod(map(len, lengths.values()))
     check_memory(
-        blocks * NUMBERS_PER_BLOCK,
+        256 * blocks,  # the least memory that Dask needs for their tasks
         f"tasks for {blocks} blocks (larger chunks make fewer)",
     )
     arrays = {}
@@ -168,7 +151,6 @@ def lazy_grid(
 
 
 def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, ...]]:
-    """Return the lengths of the blocks along each dimension."""
     core = needed("dask.array.core", "a sweep in chunks")
     asked: Any = chunks
     if isinstance(chunks, Mapping):
@@ -243,32 +225,24 @@ def _result_variables(
     """Return the numbers and outcomes of impacts, lazily if an array is.
 
     Args:
-        base: scene of what the arrays do not hold.
         arrays: quantities in the units of their columns; the shape is an index among
-            `kinds`.
+            `kinds`. What they do not hold is that of `base`.
         dimensions: order of the dimensions of the results.
     """
     lazy = any(array.chunks is not None for array in arrays.values())
-    block = _Block(
-        jax.tree.map(np.asarray, base),
-        (*arrays,),
-        tuple(kinds),
-        accuracy,
-        called="impact of a block, number" if lazy else "scene",
-    )
+    # Errors count an impact within its block.
+    called = "impact of a block, number" if lazy else "scene"
+    common = jax.tree.map(np.asarray, base), (*arrays,), tuple(kinds), accuracy, called
     names = *OUTPUT_COLUMNS, OUTCOME_COLUMN
     with warnings.catch_warnings():
         # A grid has many times the blocks of any of its axes: no mistake.
         warnings.filterwarnings("ignore", "Increasing number of chunks")
         results = xr.apply_ufunc(
-            Task(_numbers, block) if lazy else functools.partial(_numbers, block),
+            (Task if lazy else functools.partial)(_numbers, *common),
             *arrays.values(),
             dask="parallelized",
             output_core_dims=[[] for _ in names],
-            output_dtypes=[
-                *(float for _ in OUTPUT_COLUMNS),
-                outcomes_in_words([0]).dtype,
-            ],
+            output_dtypes=[*[float] * len(OUTPUT_COLUMNS), outcomes_in_words([]).dtype],
         )
     variables = {
         name: variable.transpose(*dimensions)
@@ -280,33 +254,39 @@ def _result_variables(
     return variables
 
 
-def _numbers(block: _Block, *values: np.ndarray) -> tuple[np.ndarray, ...]:
+def _numbers(
+    base: Scene,
+    names: Sequence[str],
+    kinds: Sequence[type[AbstractShape]],
+    accuracy: Accuracy,
+    called: str,
+    *values: np.ndarray,
+) -> tuple[np.ndarray, ...]:
     """Return the numbers of the impacts of a block, one array for each column of
     results, and their outcomes in words.
 
     Args:
+        names: of the values; that of the shape is an index among `kinds`.
+        called: what errors call an impact.
         values: the block's quantities, of shapes that broadcast to that of the results.
-
-    Raises InputError for a value out of its range.
     """
     shape = np.broadcast_shapes(*map(np.shape, values))
     count = math.prod(shape)
     if count == 0:
-        return *(np.empty(shape) for _ in OUTPUT_COLUMNS), outcomes_in_words(
-            np.empty(shape)
-        )
+        empty = np.empty(shape)
+        return *[empty] * len(OUTPUT_COLUMNS), outcomes_in_words(empty)
     flat = {
         name: np.broadcast_to(of_name, shape).ravel()
-        for name, of_name in zip(block.names, values, strict=True)
+        for name, of_name in zip(names, values, strict=True)
     }
-    base, index = block.base, flat.pop(SHAPE, None)
+    index = flat.pop(SHAPE, None)
     if index is not None:
-        base = with_shapes(base, [block.kinds[place] for place in index.tolist()])
+        base = with_shapes(base, [kinds[place] for place in index.tolist()])
     scene = scene_with(base, flat)
     # The laws were checked by who sent them.
-    check_scene(scene, batched=True, of=block.called, laws=False)
+    check_scene(scene, batched=True, of=called, laws=False)
     scene = jax.tree.map(np.asarray, scene)
-    summary = summary_of(compute_part(scene, count, block.accuracy))
+    summary = summary_of(compute_part(scene, count, accuracy))
     numbers = [getattr(summary, column.field) for column in OUTPUT_COLUMNS.values()]
     words = outcomes_in_words(summary.outcome_code)
     return tuple(of_column.reshape(shape) for of_column in (*numbers, words))

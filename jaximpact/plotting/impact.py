@@ -38,9 +38,6 @@ FORCE_UNITS = ((1e3, "kN"), (1.0, "N"))
 LENGTH_UNITS = ((1e-2, "cm"), (1e-3, "mm"))
 ENERGY_UNITS = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"))
 
-NEGLIGIBLE = 1e-6
-"""Part of the panel's largest value below which a peak is not marked."""
-
 
 @in_style
 def plot_impact(
@@ -52,17 +49,10 @@ def plot_impact(
     """Draw one impact, as `ImpactResult.plot` does.
 
     Args:
-        summary: its numbers.
-        scene: its block, soil and arrival.
         history: its start and every step, as `simulate` gives it with `history=True`.
-        path: where to save the figure too, in the format that the suffix names (png,
-            pdf, svg); a file of that name is replaced once the new one is whole.
 
-    Returns:
-        The figure. A block that separates, or an impact that failed, gives panels that
-        show what there is and say so.
-
-    Raises ValueError for a suffix that names no format.
+    A block that separates, or an impact that failed, gives panels that show what there
+    is and say so.
     """
     figure = Figure(figsize=(WIDTH, 9.0))
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.3))
@@ -151,7 +141,6 @@ def _unit(largest: float, units) -> tuple[float, str]:
 
 
 def _time_axis(axes: Axes, history: History) -> np.ndarray:
-    """Label the axis of times; the times in ms."""
     time = 1e3 * np.asarray(history.time)
     axes.set_xlabel("time [ms]")
     if len(time) > 1:
@@ -162,7 +151,6 @@ def _time_axis(axes: Axes, history: History) -> np.ndarray:
 
 
 def _mark_peak(axes: Axes, time, value, colour: str, *, above) -> None:
-    """Draw a dot with its value over or under it."""
     left, right = axes.get_xlim()
     at_the_end = time > left + 0.9 * (right - left)
     axes.plot(time, value, "o", color=colour, markersize=5, clip_on=False, zorder=4)
@@ -197,7 +185,7 @@ def draw_forces(axes: Axes, summary: ImpactSummary, history: History) -> None:
         when = 1e3 * float(summary.time_of_max_normal_force)
         peak = float(summary.max_normal_force) / unit
         _mark_peak(axes, when, peak, BLUE, above=True)
-        if summary.max_tangential_force > NEGLIGIBLE * largest:
+        if summary.max_tangential_force > 1e-6 * largest:  # no rounding
             when = 1e3 * float(summary.time_of_max_tangential_force)
             sign = np.sign(np.interp(when, time, tangential))
             peak = sign * float(summary.max_tangential_force)

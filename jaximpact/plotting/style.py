@@ -36,13 +36,6 @@ WIDTH = 8.0
 """Width of a drawing [inch]; wider ones are shrunk where they are shown."""
 DPI = 150
 """Resolution of saved drawings [pixels per inch]."""
-PNG_COLOURS = 256
-"""Colours in a PNG, which has then a third of its size with all of them."""
-INCH_PER_TICK = 0.6
-"""Room of a tick with its number along an axis, so that no two collide."""
-LEGEND_ROWS, LEGEND_ROW = 8, 0.2
-"""Rows of a legend above or below the panels that a figure has room for, and the
-height of each further one [inch]."""
 
 STYLE = {
     "figure.constrained_layout.use": True,
@@ -75,9 +68,6 @@ in_style = _our_settings()
 style, whatever the user's own is. Some letters are laid out only when the drawing is
 saved."""
 
-Place = Literal["lower center", "upper center", "right upper"]
-"""Places of a legend outside the panels."""
-
 
 @in_style
 def panels(
@@ -90,17 +80,13 @@ def panels(
     count: int | None = None,
     **subplots,
 ) -> tuple[Figure, list[Axes]]:
-    """Begin a figure of panels.
+    """Begin a figure of panels, and return it with the panels, row by row.
 
     Args:
         height: of a row [inch].
         width: of the figure [inch].
-        title: over all panels.
         count: of the panels, where the last row is not full.
         subplots: further arguments of `Figure.subplots`, such as sharex.
-
-    Returns:
-        The figure and its panels, row by row.
     """
     room = 0.4 if title else 0.0
     figure = Figure(figsize=(width, rows * height + room))
@@ -116,25 +102,19 @@ def panels(
 
 
 def few_ticks(axes: Axes, width: float, height: float) -> None:
-    """Give linear axes so few ticks that their numbers do not collide.
-
-    Args:
-        width, height: of the panel without its labels [inch].
-    """
+    """Give linear axes so few ticks that their numbers do not collide; width and height
+    are those of the panel without its labels [inch]."""
     for axis, length in ((axes.xaxis, width), (axes.yaxis, 1.5 * height)):
-        most = int(np.clip(length / INCH_PER_TICK, 3, 8))
+        # A tick with its number takes 0.6 inch.
+        most = int(np.clip(length / 0.6, 3, 8))
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
         # So that bars with names still bring their own ticks
         axis.isDefault_majloc = True
 
 
 def log_scale(axes: Axes, which: str = "xy") -> None:
-    """Make axes logarithmic, with few ticks: decades, or 1, 2 and 5 where there are
-    not two decades.
-
-    Args:
-        which: "x", "y" or "xy".
-    """
+    """Make axes logarithmic ("x", "y" or "xy"), with few ticks: decades, or 1, 2 and 5
+    where there are not two decades."""
     for name in which:
         getattr(axes, f"set_{name}scale")("log")
         axis = getattr(axes, f"{name}axis")
@@ -190,7 +170,7 @@ def points(place: int) -> dict:
 def legend_outside(
     figure: Figure,
     handles: Sequence[Artist] | None = None,
-    place: Place = "lower center",
+    place: Literal["lower center", "upper center", "right upper"] = "lower center",
     **how,
 ) -> None:
     """Put one legend for all panels outside them, where it covers nothing.
@@ -210,10 +190,9 @@ def legend_outside(
         how = {"ncols": columns, "columnspacing": 1.2, **how}
         how["loc"] = f"outside {place}"
         rows = math.ceil(len(handles) / how["ncols"])
-        if not place.startswith("right") and rows > LEGEND_ROWS:
-            # Rows beyond these would leave no height for the panels.
-            more = LEGEND_ROW * (rows - LEGEND_ROWS)
-            figure.set_figheight(figure.get_figheight() + more)
+        if not place.startswith("right") and rows > 8:
+            # Rows of 0.2 inch beyond these would leave no height for the panels.
+            figure.set_figheight(figure.get_figheight() + 0.2 * (rows - 8))
         figure.legend(handles=handles, **how)
 
 
@@ -234,7 +213,8 @@ def png_bytes(figure: Figure) -> bytes:
     drawn, file = io.BytesIO(), io.BytesIO()
     figure.savefig(drawn, format="png", dpi=DPI)
     image = Image.open(drawn).convert("RGB")
-    few = image.quantize(PNG_COLOURS, dither=Image.Dither.NONE)
+    # Of 256 colours a file has a third of its size with all of them.
+    few = image.quantize(256, dither=Image.Dither.NONE)
     few.save(file, format="png", dpi=(DPI, DPI), optimize=True)
     return file.getvalue()
 

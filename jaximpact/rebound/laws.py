@@ -34,13 +34,10 @@ class AnglePowerLaw(AbstractRebound):
     words: ClassVar[str] = "power law in the angle"
 
     e_45: Scalar = parameter(None, "-", "[0, 2]", "normal restitution at 45 degrees")
-    """Normal coefficient at 45 degrees [-]."""
     angle_exponent: Scalar = parameter(
         None, "-", "[-1, 3]", "exponent by which e_n falls with the angle"
     )
-    """Exponent k [-]."""
     e_t: Scalar = parameter(None, "-", "[0, 1]", "tangential restitution")
-    """Tangential coefficient [-]."""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
         """Velocities after the impact."""
@@ -155,11 +152,9 @@ class FrictionalEllipsoid(AbstractRebound):
     e_contact: Scalar = parameter(
         None, "-", "[0, 1]", "normal restitution at the contact"
     )
-    """Impulse of restitution over that of compression, $e^*$ [-]."""
     friction_coefficient: Scalar = parameter(
         None, "-", "[0, 100]", "coefficient of friction"
     )
-    r"""Coefficient of friction $\mu$ [-]."""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
         """Velocities after the impact."""
@@ -230,11 +225,9 @@ class PfeifferBowen(AbstractRebound):
     normal_coefficient: Scalar = parameter(
         None, "-", "[1e-6, 1]", "normal restitution at low speed"
     )
-    """Normal coefficient R_n at low speed [-]."""
     tangential_coefficient: Scalar = parameter(
         None, "-", "[0, 1]", "tangential restitution"
     )
-    """Tangential coefficient R_t [-]."""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
         """Velocities after the impact."""
@@ -273,7 +266,6 @@ class RigidEllipsoid(AbstractRebound):
     e_contact: Scalar = parameter(
         None, "-", "[0, 1]", "normal restitution at the contact"
     )
-    """$e^*$ [-]"""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
         """Velocities after the impact."""

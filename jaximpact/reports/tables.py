@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..io.display import align
+from .._tables import align
 
 ROUNDING = 1e-9
 """Size below which a number is shown as 0: what rounding leaves of it, as of the height

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._settings import numpy_settings
-from ..errors import InputError, nearest
+from ..errors import InputError, located, nearest
 from ..io.files import check_text, read_input
 from ..io.scene_table import reads_as_number, records_of
 from ..quantities import columns_of_part
@@ -113,11 +113,12 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
     """
     data = read_input(path, once=False)
     check_text(path, data)
-    rows = [
-        (line, cells)
-        for line, _, cells in records_of(path, data)
-        if any(map(str.strip, cells))
-    ]
+    with located(file=path):
+        rows = [
+            (line, cells)
+            for line, _, cells in records_of(data)
+            if any(map(str.strip, cells))
+        ]
     if not rows:
         raise InputError("is empty; a header and rows are needed", file=path)
     (first, header), *rows = rows

@@ -19,13 +19,8 @@ from .elasticities import Check, State
 
 ELASTICITIES_TITLE = "Elasticities: % of the output for 1 % of the parameter"
 TOTALS_TITLE = "Total Sobol indices: part of the variance that needs the parameter"
-COLUMNS = 3
-"""Most panels side by side."""
-FULL_COLOUR = 1.0
-"""Value of the strongest colour, the same in all heat maps: they can be compared."""
 DOUBTFUL = (Check.differs, Check.undecided)
 """Verdicts by which differences do not confirm a derivative."""
-DOUBTFUL_MARK = "?"
 
 
 @in_style
@@ -45,7 +40,7 @@ def plot_tornado(dataset: xr.Dataset, path: str | Path | None = None) -> Figure:
     """
     _check_dimensions(dataset, "elasticity")
     count = dataset.sizes["output"]
-    columns = min(count, COLUMNS)
+    columns = min(count, 3)
     figure, axes = panels(
         -(-count // columns),
         columns,
@@ -126,27 +121,19 @@ def plot_heat_map(dataset: xr.Dataset, path: str | Path | None = None) -> Figure
         np.ma.masked_invalid(values),
         aspect="auto",
         cmap="RdBu_r" if signed else "Blues",
-        vmin=-FULL_COLOUR if signed else 0.0,
-        vmax=FULL_COLOUR,
+        # The same colours in all heat maps: they can be compared.
+        vmin=-1.0 if signed else 0.0,
+        vmax=1.0,
     )
     axes.set_facecolor("0.85")
     axes.grid(visible=False)
     for (row, column), value in np.ndenumerate(values):
-        entry = dataset.isel(output=row, parameter=column)
+        text = f"{value:.2f}" if np.isfinite(value) else "none"
         if signed:
-            text = _cell_text(entry)
-        else:
-            text = f"{value:.2f}" if np.isfinite(value) else "none"
-        light = abs(value) > 0.6 * FULL_COLOUR
-        axes.text(
-            column,
-            row,
-            text,
-            ha="center",
-            va="center",
-            fontsize=9,
-            color="white" if light else "black",
-        )
+            text = _cell_text(dataset.isel(output=row, parameter=column))
+        colour = "white" if abs(value) > 0.6 else "black"
+        centred = {"ha": "center", "va": "center", "fontsize": 9, "color": colour}
+        axes.text(column, row, text, **centred)
     slanted = {"rotation": 30, "ha": "right"} if columns > 4 else {}
     axes.set_xticks(range(columns), dataset.parameter.values, **slanted)
     axes.set_yticks(range(rows), dataset.output.values)
@@ -157,8 +144,6 @@ def plot_heat_map(dataset: xr.Dataset, path: str | Path | None = None) -> Figure
 
 
 def _check_dimensions(dataset: xr.Dataset, variable: str) -> None:
-    """Raise ValueError unless a dataset has the variable, over parameters and outputs
-    alone."""
     if variable not in dataset:
         raise ValueError(f"the dataset must hold {variable}, but holds {list(dataset)}")
     more = set(dataset[variable].dims) - {"parameter", "output"}
@@ -174,5 +159,5 @@ def _cell_text(entry: xr.Dataset) -> str:
     state = State(int(entry.state))
     if state is not State.defined:
         return state.short
-    mark = DOUBTFUL_MARK if int(entry.check) in DOUBTFUL else ""
+    mark = "?" if int(entry.check) in DOUBTFUL else ""
     return f"{float(entry.elasticity):.2g}{mark}"

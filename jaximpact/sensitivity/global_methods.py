@@ -12,7 +12,7 @@ gather in a corner of the ranges, the estimates hold for the rest of them.
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,18 +43,10 @@ from .ranges import (
     parameter_columns,
 )
 
-DEFAULT_BLOCKS = 4096
-DEFAULT_TRAJECTORIES = 256
 LEVELS = 4
 """Levels of the grid on which the trajectories run; the usual number."""
-LARGEST_SEED = 2**32 - 2
-"""SALib's own limit, less the one that is added."""
 BOOTSTRAP = {"num_resamples": 200, "conf_level": 0.95}
 """Resamples, and probability of the confidence intervals."""
-LEAST_KEPT = 0.5
-"""Fraction of the groups that must be complete."""
-CONSTANT_WITHIN = 1e-12
-"""Range over size of an output below which it counts as constant."""
 
 
 @numpy_settings()
@@ -63,7 +55,7 @@ def sobol(
     ranges: Mapping[str, Range | tuple[float, float]],
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
-    blocks: int = DEFAULT_BLOCKS,
+    blocks: int = 4096,
     seed: int = 0,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     journal: Path | None = None,
@@ -121,8 +113,8 @@ def sobol(
         problem_of(study.ranges), blocks, calc_second_order=False, seed=seed
     )
     values, attributes = study.simulate(fractions, blocks, journal, progress)
-    variables = [sobol_of(of_output, seed) for of_output in values]
-    return study.dataset("Sobol indices", variables, _OF_SOBOL, attributes)
+    estimates = [sobol_of(of_output, seed) for of_output in values]
+    return study.dataset("Sobol indices", estimates, SOBOL, attributes)
 
 
 @numpy_settings()
@@ -131,7 +123,7 @@ def morris(
     ranges: Mapping[str, Range | tuple[float, float]],
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
-    trajectories: int = DEFAULT_TRAJECTORIES,
+    trajectories: int = 256,
     seed: int = 0,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     journal: Path | None = None,
@@ -172,14 +164,11 @@ def morris(
     )
     values, attributes = study.simulate(fractions, trajectories, journal, progress)
     fractions = fractions.reshape(trajectories, -1, count)
-    variables = [morris_of(fractions, of_output, seed) for of_output in values]
-    title = "Morris's elementary effects"
-    return study.dataset(title, variables, _OF_MORRIS, attributes)
+    estimates = [morris_of(fractions, of_output, seed) for of_output in values]
+    return study.dataset("Morris's elementary effects", estimates, MORRIS, attributes)
 
 
 class _Study(NamedTuple):
-    """Impacts over ranges of parameters."""
-
     base: Scene
     ranges: dict[str, Range]
     outputs: tuple[ResultColumn, ...]
@@ -193,7 +182,8 @@ class _Study(NamedTuple):
         base = as_scene(base)
         check_scene(base)
         checked, columns = check_ranges(base, ranges), output_columns(outputs)
-        whole_number("seed", seed, 0, LARGEST_SEED)
+        # SALib's own limit, less the one that is added.
+        whole_number("seed", seed, 0, 2**32 - 2)
         return cls(base, checked, columns, seed, get_accuracy(accuracy))
 
     def check_size(self, groups: int, name: str, impacts: int) -> None:
@@ -234,15 +224,21 @@ class _Study(NamedTuple):
     def dataset(
         self,
         title: str,
-        variables: list[dict[str, Any]],
-        meanings: Mapping[str, dict[str, str]],
+        estimates: list[dict[str, Any]],
+        of_method: Mapping[str, tuple[str, str, str]],
         attributes: dict,
     ) -> xr.Dataset:
-        """Make the dataset of variables of each output."""
+        """Make the dataset of the estimates for each output."""
         ranges = {name: dataclasses.asdict(each) for name, each in self.ranges.items()}
+        meanings = {
+            name: {"units": unit, "long_name": meaning}
+            for name, (_, unit, meaning) in of_method.items()
+        }
+        for name in ("mean", "standard_deviation"):
+            meanings[name] = {"long_name": f"{name} over the ranges, in output_unit"}
         columns = {}
-        for name in variables[0]:
-            values = np.array([of_output[name] for of_output in variables])
+        for name in estimates[0]:
+            values = np.array([of_output[name] for of_output in estimates])
             dimensions = ("output", "parameter")[: values.ndim]
             columns[name] = dimensions, values, meanings.get(name, {})
         return xr.Dataset(
@@ -266,25 +262,63 @@ def problem_of(names: Iterable[str]) -> dict:
     return {"num_vars": len(names), "names": names, "bounds": bounds}
 
 
-def _complete_groups(values: np.ndarray) -> tuple[np.ndarray, dict[str, Any]]:
-    """Select the groups that have all their values, shape (groups, impacts); count
-    them, and say why they do not suffice, if they do not."""
+HALF_WIDTH = "half width of its 95 % interval"
+SOBOL = {
+    "first_order": ("S1", "-", "first-order index"),
+    "first_order_interval": ("S1_conf", "-", HALF_WIDTH),
+    "total_order": ("ST", "-", "total index"),
+    "total_order_interval": ("ST_conf", "-", HALF_WIDTH),
+}
+MORRIS = {
+    "mean_effect": ("mu", "output_unit", "mu, mean effect of the whole range"),
+    "mean_absolute_effect": (
+        "mu_star",
+        "output_unit",
+        "mu*, mean absolute effect of the whole range",
+    ),
+    "mean_absolute_effect_interval": ("mu_star_conf", "output_unit", HALF_WIDTH),
+    "effect_deviation": (
+        "sigma",
+        "output_unit",
+        "sigma, standard deviation of the effect",
+    ),
+}
+"""Variable of each method -> SALib's name of it, unit and meaning."""
+
+
+def _estimate(
+    values: np.ndarray,
+    parameters: int,
+    of_method: Mapping[str, tuple[str, str, str]],
+    analyze: Callable[[Any], Mapping],
+) -> tuple[dict[str, Any], np.ndarray]:
+    """Estimate the variables of a method for one output; NaN, with the reason, where
+    the groups that have all their values do not suffice.
+
+    Args:
+        values: shape (groups, impacts).
+        analyze: gives SALib's results of the groups that are complete.
+
+    Returns the variables, and the values of the complete groups.
+    """
     complete = np.isfinite(values).all(axis=1)
     whole = values[complete]
     reason = ""
-    if len(whole) < max(2, LEAST_KEPT * len(values)):
+    if len(whole) < max(2, 0.5 * len(values)):
         words = "less than half of the groups" if len(whole) else "no group"
         reason = f"{words} has all its values"
-    elif np.ptp(whole) <= CONSTANT_WITHIN * np.abs(whole).max():
+    elif np.ptp(whole) <= 1e-12 * np.abs(whole).max():
         reason = "the output does not change"
-    return whole, {
+    analysis = {} if reason else analyze(complete)
+    nothing = np.full(parameters, np.nan)
+    return {
+        name: np.asarray(analysis.get(of_salib, nothing), float)
+        for name, (of_salib, _, _) in of_method.items()
+    } | {
         "groups_kept": np.int32(len(whole)),
         "groups_dropped": np.int32(len(values) - len(whole)),
         "reason": reason,
-    }
-
-
-# --- Sobol indices.
+    }, whole
 
 
 def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, Any]:
@@ -302,41 +336,20 @@ def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, A
     from SALib.analyze import sobol as salib  # a second, for pandas and SciPy
 
     parameters = values.shape[1] - 2
-    whole, groups = _complete_groups(values)
-    if groups["reason"]:
-        indices = dict.fromkeys(_INDICES, np.full(parameters, np.nan))
-        return indices | groups | dict.fromkeys(_TOTALS, np.nan)
-    analysis = salib.analyze(
-        problem_of(map(str, range(parameters))),
-        whole.ravel(),
-        calc_second_order=False,
-        seed=seed + 1,  # SALib takes 0 for none
-        **BOOTSTRAP,
+    estimates, whole = _estimate(
+        values,
+        parameters,
+        SOBOL,
+        lambda complete: salib.analyze(
+            problem_of(map(str, range(parameters))),
+            values[complete].ravel(),
+            calc_second_order=False,
+            seed=seed + 1,  # SALib takes 0 for none
+            **BOOTSTRAP,
+        ),
     )
-    indices = {name: analysis[of_salib] for name, of_salib in _INDICES.items()}
-    ends = whole[:, [0, -1]]
-    return indices | groups | {"mean": ends.mean(), "standard_deviation": ends.std()}
-
-
-_INDICES = {
-    "first_order": "S1",
-    "first_order_interval": "S1_conf",
-    "total_order": "ST",
-    "total_order_interval": "ST_conf",
-}
-"""Variable -> SALib's name of it."""
-_TOTALS = ("mean", "standard_deviation")
-_INTERVAL = {"units": "-", "long_name": "half width of its 95 % interval"}
-_OF_SOBOL = {
-    "first_order": {"units": "-", "long_name": "first-order index"},
-    "first_order_interval": _INTERVAL,
-    "total_order": {"units": "-", "long_name": "total index"},
-    "total_order_interval": _INTERVAL,
-} | {name: {"long_name": f"{name} over the ranges, in output_unit"} for name in _TOTALS}
-"""Variable -> its attributes in the dataset."""
-
-
-# --- Elementary effects.
+    ends = np.full(1, np.nan) if estimates["reason"] else whole[:, [0, -1]]
+    return estimates | {"mean": ends.mean(), "standard_deviation": ends.std()}
 
 
 def morris_of(
@@ -359,36 +372,16 @@ def morris_of(
     from SALib.analyze import morris as salib  # a second, for pandas and SciPy
 
     parameters = fractions.shape[2]
-    whole, groups = _complete_groups(values)
-    if groups["reason"]:
-        return dict.fromkeys(_EFFECTS, np.full(parameters, np.nan)) | groups
-    analysis = salib.analyze(
-        problem_of(map(str, range(parameters))),
-        fractions[np.isfinite(values).all(axis=1)].reshape(-1, parameters),
-        whole.ravel(),
-        num_levels=LEVELS,
-        seed=seed,
-        **BOOTSTRAP,
-    )
-    effects = {
-        name: np.asarray(analysis[of_salib], float)
-        for name, (of_salib, _) in _EFFECTS.items()
-    }
-    return effects | groups
-
-
-_EFFECTS = {
-    "mean_effect": ("mu", "mu, mean effect of the whole range"),
-    "mean_absolute_effect": ("mu_star", "mu*, mean absolute effect of the whole range"),
-    "mean_absolute_effect_interval": (
-        "mu_star_conf",
-        "half width of its 95 % interval",
-    ),
-    "effect_deviation": ("sigma", "sigma, standard deviation of the effect"),
-}
-"""Variable -> SALib's name of it, and its meaning."""
-_OF_MORRIS = {
-    name: {"units": "output_unit", "long_name": meaning}
-    for name, (_, meaning) in _EFFECTS.items()
-}
-"""Variable -> its attributes in the dataset."""
+    return _estimate(
+        values,
+        parameters,
+        MORRIS,
+        lambda complete: salib.analyze(
+            problem_of(map(str, range(parameters))),
+            fractions[complete].reshape(-1, parameters),
+            values[complete].ravel(),
+            num_levels=LEVELS,
+            seed=seed,
+            **BOOTSTRAP,
+        ),
+    )[0]

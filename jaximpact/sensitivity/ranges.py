@@ -15,8 +15,6 @@ from ..quantities import RESULT_COLUMNS, InputColumn, ResultColumn, columns_of
 from ..scene import Scene
 
 UNIFORM, LOG_UNIFORM = DISTRIBUTIONS = ("uniform", "log-uniform")
-
-
 USUAL_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = tuple(RESULT_COLUMNS)
 WATCHED = {name: c for name, c in OUTPUT_COLUMNS.items() if name != "steps"}
@@ -90,11 +88,7 @@ def check_ranges(
     scene: Scene, ranges: Mapping[str, Range | tuple[float, float]]
 ) -> dict[str, Range]:
     """Check the ranges of parameters of a scene, by the names of their columns, and
-    return them; a pair of numbers is a uniform range.
-
-    Raises InputError for an unknown name, ends out of the column's range or in the
-    wrong order, an unknown distribution, and for fewer than two parameters.
-    """
+    return them; a pair of numbers is a uniform range. At least two are needed."""
     expect("ranges", ranges, Mapping)
     checked = {}
     for column in parameter_columns(scene, ranges):
@@ -108,7 +102,7 @@ def check_ranges(
                     f"of numbers, but is {interval!r}"
                 ) from None
             interval = Range(lower, upper)
-        check_range(column, interval)
+        _check_range(column, interval)
         checked[column.name] = interval
     if len(checked) < 2:
         raise InputError(
@@ -118,8 +112,7 @@ def check_ranges(
     return checked
 
 
-def check_range(column: InputColumn, interval: Range) -> None:
-    """Raise InputError unless a range suits a column."""
+def _check_range(column: InputColumn, interval: Range) -> None:
     name = column.name
     check_choice(f"the distribution of {name}", interval.distribution, DISTRIBUTIONS)
     for name_of_end in ("lower", "upper"):

@@ -102,15 +102,8 @@ def mixed(*kinds: type[AbstractShape]) -> type[MixedShapes]:
     Raises InputError for two parameters of one name that differ in unit or column.
     """
     fields = {
-        name: parameter(
-            said.default,
-            said.unit,
-            said.range,
-            said.meaning,
-            column=said.column,
-            usual=said.usual,
-        )
-        for name, said in _declared(kinds).items()
+        name: parameter(**declared._asdict())
+        for name, declared in _declared(kinds).items()
     }
     names = ", ".join(f"{kind.__module__}.{kind.__qualname__}" for kind in kinds)
     return type(MixedShapes)(
@@ -135,19 +128,16 @@ def shape_of_each(kinds: Sequence[type[AbstractShape]]) -> AbstractShape:
     different = sorted(set(kinds), key=lambda kind: (kind.__module__, kind.__name__))
     if len(different) == 1:
         return different[0]()
-    places = {kind: place for place, kind in enumerate(different)}
-    index = np.array([places[kind] for kind in kinds], float)
-    made = mixed(*different)
+    index = np.array([different.index(kind) for kind in kinds], float)
     defaults = {}
-    for kind in reversed(different):
-        usual = kind()
-        for name in declared_of(kind):
-            value = np.asarray(getattr(usual, name))
+    for place, kind in reversed(list(enumerate(different))):
+        for name, declared in declared_of(kind).items():
+            value = np.asarray(declared.si_default)
             before = defaults.get(name, value)
             if np.any(before != value):
-                value = np.where(index == places[kind], value, before)
+                value = np.where(index == place, value, before)
             defaults[name] = value
-    return made(index=index, **defaults)
+    return mixed(*different)(index=index, **defaults)
 
 
 def each_shape(lanes: Any) -> Iterator[tuple[Any, Any]]:
@@ -217,25 +207,19 @@ def shape_by_shape(function: Callable, lanes: Any, *further: Any) -> Any:
         part = function(
             alone, *jax.tree.map(lambda leaf, chosen=chosen: leaf[chosen], further)
         )
-        if results is None:
-            results = jax.tree.map(lambda leaf: _empty(leaf, shape), part)
-        results = jax.tree.map(
-            lambda whole, leaf, chosen=chosen: _put(whole, chosen, leaf), results, part
-        )
+
+        def put(leaf, whole=None, chosen=chosen):
+            """Put results, of NumPy or of JAX, into those of all lanes."""
+            xp: Any = np if isinstance(leaf, np.ndarray) else jnp
+            if whole is None:
+                whole = xp.zeros((*shape, *leaf.shape[1:]), leaf.dtype)
+            if xp is jnp:
+                return whole.at[chosen].set(leaf)
+            whole[chosen] = leaf
+            return whole
+
+        results = jax.tree.map(put, part, *([] if results is None else [results]))
     return results
-
-
-def _empty(leaf, shape: tuple[int, ...]):
-    """Make an array, of NumPy or of JAX as a leaf, of all lanes."""
-    xp = np if isinstance(leaf, np.ndarray) else jnp
-    return xp.zeros((*shape, *leaf.shape[1:]), leaf.dtype)
-
-
-def _put(whole, chosen, values):
-    if isinstance(whole, np.ndarray):
-        whole[chosen] = values
-        return whole
-    return whole.at[chosen].set(values)
 
 
 def _is_mixed(leaf) -> bool:
@@ -245,30 +229,27 @@ def _is_mixed(leaf) -> bool:
 def _declared(kinds: Sequence[type[AbstractShape]]) -> dict[str, Declared]:
     """Declarations of the parameters of several shapes, each name once; ranges are
     those within which any of them is allowed."""
-    found: dict[str, Declared] = {}
+    merged: dict[str, Declared] = {}
     owner: dict[str, type] = {}
     for kind in kinds:
         for name, said in declared_of(kind).items():
-            before = found.get(name, said)
+            before = merged.get(name, said)
             if (before.unit, before.column) != (said.unit, said.column):
                 raise InputError(
                     f"{owner[name].__name__}.{name} is in {before.unit} (column "
                     f"{before.column}), but {kind.__name__}.{name} in {said.unit} "
                     f"(column {said.column}); rename the one that is yours"
                 )
-            found[name] = before._replace(
+            (low, high), (lower, upper) = before.usual, said.usual
+            merged[name] = before._replace(
                 range=_hull(before.range, said.range),
-                usual=(
-                    min(before.usual[0], said.usual[0]),
-                    max(before.usual[1], said.usual[1]),
-                ),
+                usual=(min(low, lower), max(high, upper)),
             )
             owner.setdefault(name, kind)
-    return found
+    return merged
 
 
 def _hull(one: str, other: str) -> str:
-    """Find the smallest interval that holds two."""
     if one == other:
         return one
     ends = [[float(end) for end in text[1:-1].split(",")] for text in (one, other)]

@@ -12,10 +12,6 @@ from .base import SYMMETRIC_WITHIN, AbstractShape, Section
 from .elliptic import USUAL_RATIO
 from .support import RoundBlock
 
-LEAST_SLOPE = 1e-12
-"""Least angle of a face from level or upright [rad]: below it the ground would cut the
-face farther away than the block is large."""
-
 
 class RectangularPrism(AbstractShape):
     r"""A rectangular prism of half sides H, R and W, rounded in the plane of motion.
@@ -209,8 +205,10 @@ class RectangularPrism(AbstractShape):
 def _cut_of_rectangle(long, short, sin, cos, height):
     """Ends of the cut of a rectangle of half sides `long` (along the major axis) and
     `short` by the ground."""
-    steep = jnp.where(jnp.abs(cos) < LEAST_SLOPE, LEAST_SLOPE, cos)
-    level = jnp.where(jnp.abs(sin) < LEAST_SLOPE, LEAST_SLOPE, sin)
+    # A face nearer to level or upright would be cut farther away than the block is
+    # large.
+    steep = jnp.where(jnp.abs(cos) < 1e-12, 1e-12, cos)
+    level = jnp.where(jnp.abs(sin) < 1e-12, 1e-12, sin)
     first, first_half = -height * sin / steep, short / jnp.abs(steep)
     second, second_half = height * cos / level, long / jnp.abs(level)
     return (

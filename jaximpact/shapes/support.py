@@ -20,27 +20,15 @@ import numpy as np
 
 from .._types import Scalar
 
-TURNS = 16
-"""Number of directions tried between the two axes."""
-SAME = 1e-12
-"""Angle within which directions are one [rad]."""
-
 
 def farthest_direction(shape, axes, along, across):
-    """Find the direction in which a point is farthest outside of a block.
-
-    Args:
-        shape, axes: shape and half sizes of the block.
-        along, across: coordinates of the point [m].
-
-    Returns:
-        A unit vector. Of a point inside, a direction in which it is not deep.
-    """
+    """Find the direction, a unit vector, in which a point is farthest outside of a
+    block; of a point inside, a direction in which it is not deep."""
     p = jnp.abs(along), jnp.abs(across)
     first = _Try.of(shape, axes, p, jnp.ones_like(along), jnp.zeros_like(along))
     last = _Try.of(shape, axes, p, jnp.zeros_like(along), jnp.ones_like(along))
     best = first.or_better(last)
-    for turn in range(TURNS):
+    for turn in range(16):
         between = first.chord_normal(last) if turn % 2 == 0 else first.straight(last)
         new = _Try.of(shape, axes, p, *between)
         best = best.or_better(new)
@@ -89,7 +77,8 @@ class _Try:
         x, y = _unit(jnp.maximum(up, 0.0), jnp.maximum(down, 0.0))
         after_first = y * self.u[0] - x * self.u[1]
         before_last = x * last.u[1] - y * last.u[0]
-        known = (after_first <= SAME) | (before_last <= SAME)
+        # Directions within 1e-12 are one.
+        known = (after_first <= 1e-12) | (before_last <= 1e-12)
         return _unit(
             jnp.where(known, self.u[0] + last.u[0], x),
             jnp.where(known, self.u[1] + last.u[1], y),
@@ -114,9 +103,6 @@ def _unit(x, y):
 
 ORIENTATIONS = 64
 """Number of orientations over a quarter of a turn."""
-BESIDE = 1e-6
-"""Angle from an axis [rad] at which the slope of the support beside a flat face is
-taken."""
 
 
 class RoundBlock(NamedTuple):
@@ -141,7 +127,8 @@ def round_block(shape, axes) -> RoundBlock:
     """
     quarter = 0.5 * np.pi
     middles = (np.arange(ORIENTATIONS) + 0.5) / ORIENTATIONS * quarter
-    angles = np.concatenate([middles, [BESIDE, quarter - BESIDE]])
+    # And beside the axes, where the slope of the support is that beside a flat face.
+    angles = np.concatenate([middles, [1e-6, quarter - 1e-6]])
 
     def at(sin, cos):
         return shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from jaximpact._packages import versions
 from jaximpact.accuracy import get_accuracy
+from jaximpact.errors import check_choice
 from jaximpact.identity import part_names
-from jaximpact.io.checks import chosen_values
 from jaximpact.io.files import make_directory, put_text, replacing
 from jaximpact.plotting.style import png_bytes
 from jaximpact.quantities import OUTCOME_COLUMN
@@ -45,7 +45,9 @@ def write_figures(
     Raises InputError for unknown figures or a directory that cannot be made, OSError
     where the file system refuses.
     """
-    figures = chosen_values("--only", only, PAPER_FIGURES)
+    for number in only:
+        check_choice("--only", number, PAPER_FIGURES)
+    figures = [f for n, f in PAPER_FIGURES.items() if not only or n in only]
     make_directory(out, option="--out")
     for figure in figures:
         begin = time.perf_counter()

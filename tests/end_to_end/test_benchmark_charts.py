@@ -261,7 +261,7 @@ def test_every_peer_answers(package):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        ("--out out --only work-precison", ["did you mean 'work-precision'"]),
+        ("--out out --only work-precison", ["did you mean work-precision?"]),
         ("--out out --peers .", ["--peers", "*_peer.py"]),
         ("--out file/out", ["--out"]),
     ],

@@ -404,7 +404,7 @@ def test_what_cannot_be_computed_is_said_and_the_rest_goes_on(monkeypatch, capsy
 
 def test_unknown_claims_are_refused(capsys, tmp_path):
     assert run("claims", "--only", "c07") == 2
-    assert_one_line_error(capsys, "'c07'", "did you mean 'C07'")
+    assert_one_line_error(capsys, "'c07'", "did you mean C07?")
     (tmp_path / "file").touch()
     assert run("claims", "--only", "C01", "--out", str(tmp_path / "file")) == 2
     assert_one_line_error(capsys, "--out", "cannot be made")

@@ -290,7 +290,7 @@ def test_command_writes_drawing_table_and_manifest(tmp_path, capsys):
     ("arguments", "parts"),
     [
         (["--only", "15"], ["'15'", "did you mean", "13"]),
-        (["--only", "4", "figure-8"], ["'figure-8'", "did you mean '8'"]),
+        (["--only", "4", "figure-8"], ["'figure-8'", "did you mean 8?"]),
         (["--ground", "table 1"], ["'table 1'", "did you mean 'Table 1'"]),
     ],
 )

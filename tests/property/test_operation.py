@@ -190,12 +190,12 @@ def test_threads_change_nothing(scenes, expected):
             assert_same(found, expected)
     try:
         for count in (1, 2, 5):
-            for known in operation._registered.values():
-                known.driver.operation.threads = count
+            for _, driver in operation._registered.values():
+                driver.operation.threads = count
             assert_same(solved(scenes), expected)
     finally:
-        for known in operation._registered.values():
-            known.driver.operation.threads = thread_count()
+        for _, driver in operation._registered.values():
+            driver.operation.threads = thread_count()
 
 
 def test_of_threads_that_ask_at_once_one_compiles():

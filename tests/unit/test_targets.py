@@ -19,7 +19,7 @@ from jaximpact.backend.simd import (
     kernel,
     target,
 )
-from jaximpact.backend.simd import system_functions as functions
+from jaximpact.backend.simd import target as functions
 from jaximpact.backend.simd.driver import driver_text
 from jaximpact.backend.simd.tables import entries
 from jaximpact.backend.simd.target import Target

@@ -9,11 +9,9 @@ from typing import NamedTuple
 from llvmlite.binding import ExecutionEngine
 
 from .llvm_ir import compile_text, load
-from .system_functions import ThreadFunctions
-from .target import this_target
+from .target import ThreadFunctions, this_target
 
 PACKAGE = __name__.rpartition(".")[0]
-ALIGNMENT = 64
 PROGRAMS, MOST_RETRIES = 32, 7
 POINTER, INTEGER, DOUBLE = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
 
@@ -152,10 +150,7 @@ _lock = threading.Lock()
 
 
 def compute_rows(rows: Rows) -> None:
-    """Compute lanes; other threads of Python go on meanwhile.
-
-    Raises MemoryError.
-    """
+    """Compute lanes; other threads of Python go on meanwhile. Raises MemoryError."""
     # One driver for all, never unloaded: threads that start at once must not load two
     # of which one is thrown away under the other's feet.
     with _lock:

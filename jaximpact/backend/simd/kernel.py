@@ -52,13 +52,8 @@ class Retries(NamedTuple):
 
 
 class Kernel:
-    """Compiled code that is ready to run.
-
-    Args:
-        code: what lanes do.
-        structure: of the results, a tree with a row for each leaf.
-        retries: for lanes that fail; None for none.
-    """
+    """Compiled code that is ready to run; its results are a tree with a row for each
+    leaf."""
 
     def __init__(self, code: Code, structure, retries: Retries | None = None):
         self.code, self.structure = code, structure
@@ -125,15 +120,7 @@ def without_copies(
     sample: Callable | None = None,
     time: Callable | None = None,
 ) -> LaneFunctions:
-    """Make lane functions of those of lanes that have nothing of their own.
-
-    Args:
-        begin: from inputs to the state at the start.
-        step: from a state to the next, and whether the lane goes on.
-        finish: from inputs and the last state to results.
-        sample: from a state and a time that its last step has passed to samples there.
-        time: as in `LaneFunctions`.
-    """
+    """Make lane functions of those of lanes that have nothing of their own."""
 
     def step_both(state, _):
         state, going = step(state)
@@ -254,8 +241,6 @@ class _Part(NamedTuple):
 
 
 class _Layout:
-    """Allots rows, one after the other."""
-
     def __init__(self, copies: int):
         self.copies, self.rows = copies, 0
 

@@ -19,7 +19,7 @@ from .driver import (
     load_driver,
 )
 from .kernel import Kernel
-from .system_functions import thread_functions
+from .target import thread_functions
 
 USUAL_STEPS = 2_000
 """Steps for which there is room when a course is recorded; a lane that takes more runs
@@ -27,12 +27,8 @@ once more."""
 
 
 class KernelSet:
-    """Kernels that lanes are computed by, on as many threads as are asked for.
-
-    Args:
-        kernels: with the same rows of inputs and of results.
-        directions: along which they differentiate.
-    """
+    """Kernels with the same rows of inputs and of results, by which lanes are computed
+    and differentiated along so many directions."""
 
     def __init__(self, kernels: Sequence[Kernel], directions: int = 0):
         if len(kernels) > PROGRAMS:
@@ -122,11 +118,8 @@ class KernelSet:
         self, inputs: Float[np.ndarray, " inputs"]
     ) -> tuple[np.ndarray, np.ndarray]:
         """Compute one lane by the first kernel, and sample it at its start and at the
-        end of every step.
-
-        Returns:
-            Results `(result_rows,)`, and samples `(sampled_rows, 1 + steps)`.
-        """
+        end of every step: results `(result_rows,)`, and samples `(sampled_rows, 1 +
+        steps)`."""
         room = USUAL_STEPS
         while True:
             samples = np.empty((self.sampled_rows, room))

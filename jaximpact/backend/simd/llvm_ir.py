@@ -256,16 +256,11 @@ def write_function(
     masked: bool = False,
     free_row: int = 0,
 ) -> tuple[str, int]:
-    """Write a function on the rows of the memory that it is called with.
+    """Write a function on the rows of the memory that it is called with, of which it
+    may use those from `free_row` on; also return how many of these it uses.
 
     It stores the outputs, if `masked` in the columns named by the bits of its second
     argument alone, and returns the bits of a truth.
-
-    Args:
-        free_row: first free row of the memory; the function may use those from it on.
-
-    Returns:
-        The text, and how many of the free rows it uses.
     """
     writer = _Writer()
     writer.write(in_order([*(output.value for output in outputs), truth]))
@@ -287,11 +282,7 @@ def write_function(
 
 def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
     """Divide a function, and add lines that hand on what later parts need, in rows from
-    `free_row` on.
-
-    Returns:
-        Lines by part, and how many rows they take.
-    """
+    `free_row` on. Returns the lines by part, and how many rows they take."""
     ends, begin = [], 0
     for place in writer.breaks:
         if place - begin >= PART and len(writer.lines) - place >= PART // 2:
@@ -345,11 +336,8 @@ def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
 
 
 def keep_objects(keep: Keep) -> None:
-    """Have object files kept, since LLVM takes seconds.
-
-    Args:
-        keep: gives what is kept under a key, or what a function makes and it keeps.
-    """
+    """Have object files kept, since LLVM takes seconds: `keep` gives what is kept under
+    a key, or what a function makes and it keeps."""
     global _keep
     _keep = keep
 
@@ -358,10 +346,8 @@ def compile_text(text: str, external_calls: bool = False) -> bytes:
     """Return the machine code for this computer, as an object file, compiled or kept.
 
     The key is the text itself, with every constant in it: whatever a user's law refers
-    to, other numbers are other code.
-
-    Args:
-        external_calls: whether the code calls functions of libraries.
+    to, other numbers are other code. External calls are those of functions of
+    libraries.
 
     Raises NoMachineCode where this computer can run none.
     """
@@ -374,11 +360,7 @@ def compile_text(text: str, external_calls: bool = False) -> bytes:
 
 def load(object_file: bytes, external_calls: bool = False):
     """Make an engine of LLVM with machine code put to where it can run; the code is
-    there as long as the engine lives.
-
-    Args:
-        external_calls: as `compile_text` was told.
-    """
+    there as long as the engine lives."""
     target = this_target()
     small = target.has_small_code_model(external_calls)
     # Relative addresses reach 2 GB. llvmlite's memory manager keeps constants beside

@@ -32,7 +32,6 @@ def values_of(array) -> Values:
 
 
 def _each(function: Callable, *arrays: Values) -> Values:
-    """Apply a function of values place by place."""
     made = np.frompyfunc(function, len(arrays), 1)(*arrays)
     values = np.empty(np.shape(made), object)
     values[...] = made
@@ -50,7 +49,6 @@ def _as_array(values) -> Values:
 
 
 def _first(arrays: list[Values]) -> list[Value]:
-    """Take one value of each array that has any."""
     return [array.flat[0] for array in arrays if array.size]
 
 
@@ -386,7 +384,6 @@ list."""
 
 
 def _plain(name: str, integer: str | None = None, truth: str | None = None) -> Callable:
-    """Make an operation that depends on the kind of its last argument."""
 
     def apply(graph: Graph, *x: Value) -> Value:
         names = {FLOAT: name, INTEGER: integer, TRUTH: truth}
@@ -399,7 +396,6 @@ def _plain(name: str, integer: str | None = None, truth: str | None = None) -> C
 
 
 def _only(kind: str, function: Callable) -> Callable:
-    """Restrict a function to arguments of one kind."""
 
     def apply(graph: Graph, *x: Value) -> Value:
         others = {kind_of(value) for value in x} - {kind}

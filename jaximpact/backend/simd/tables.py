@@ -18,25 +18,16 @@ _table_entry = Primitive("table_entry")
 
 
 def address_of(table: np.ndarray) -> float:
-    """Return the address of a table, for lanes; the table must live as long as they
-    run.
-
-    Args:
-        table: contiguous array of floats, `(rows, columns)`.
-    """
+    """Return the address of a table, for lanes; the table, a contiguous array of floats
+    `(rows, columns)`, must live as long as they run."""
     assert table.flags.c_contiguous
     assert table.dtype == float
     return float(table.ctypes.data)
 
 
 def entries(table, row, width: int) -> list:
-    """Read a row of a table, entry by entry: those that are not used cost nothing.
-
-    Args:
-        table: from `address_of`.
-        row: number of the row, a float.
-        width: number of the table's columns.
-    """
+    """Read a row of a table of `width` columns, entry by entry: those that are not used
+    cost nothing."""
     return [_table_entry.bind(table, row, width=width, column=i) for i in range(width)]
 
 
@@ -61,7 +52,6 @@ def _read_from_xla(table, row, *, width: int, column: int):
 
 
 def _read_of_all(operands, axes, **which):
-    """Read entries for all lanes of `jax.vmap`."""
     lanes = next(
         x.shape[axis]
         for x, axis in zip(operands, axes, strict=True)
