@@ -30,9 +30,9 @@ from jaximpact.cli import options
 from jaximpact.runout.back_analysis.data_sets import column_of, simulate_data_sets
 from jaximpact.runout.back_analysis.observed import (
     PASSAGE_COLUMNS,
+    STOP_COLUMN,
     ObservedCount,
-    ObservedPassages,
-    ObservedStops,
+    ObservedValues,
 )
 from jaximpact.runout.back_analysis.posterior import Posterior, posterior_of, search
 from jaximpact.runout.back_analysis.predictive import at_barrier, predict
@@ -165,13 +165,15 @@ def observe(fit: SlopeFit, blocks: np.ndarray, quantities, most: int) -> SlopeFi
     """Observe a data set: all stopping points, values at the first line of the counts,
     and the counts themselves."""
     stops = blocks[np.isfinite(blocks[:, 0]), 0]
-    channels: list = [ObservedStops(stops)] if len(stops) else []
+    channels: list = []
+    if len(stops):
+        channels.append(ObservedValues(STOP_COLUMN, None, stops))
     lines = [c for c in fit.observed.channels if isinstance(c, ObservedCount)]
     for quantity in quantities:
         values = blocks[:, column_of(fit.places, lines[0].place, quantity)]
         values = values[np.isfinite(values)][:most]
         if len(values):
-            channels.append(ObservedPassages(lines[0].place, quantity, values, False))
+            channels.append(ObservedValues(quantity, lines[0].place, values))
     for line in lines:
         passing = blocks[:, column_of(fit.places, line.place, PASSAGE_COLUMNS[0])]
         passed = int(np.sum(np.isfinite(passing)))

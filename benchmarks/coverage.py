@@ -74,7 +74,7 @@ def _repeat(objective):
     from jaximpact.calibration.diagnostics.uncertainty import estimate
     from jaximpact.calibration.study import best_fit
 
-    objective, _, best = best_fit(objective)
+    objective, best, *_ = best_fit(objective)
     found = estimate(objective, best.points)
     x = best.points.x[0]
     return x, found.quantile * found.standard_errors, best.reasons[0].at_minimum

@@ -40,8 +40,7 @@ def main(started: str, path: str) -> None:
     tests = len(study.tests)
     # With one sigma the cost is half the sum of squares over it.
     rms = [
-        [float(v.sigma[0, 0] * np.sqrt(2.0 * cost / tests)) for cost in v.start_costs]
-        for v in result.variants
+        [float(v.sigma[0, 0] * np.sqrt(2.0 * v.cost / tests))] for v in result.variants
     ]
     answer = {"import_s": imported, "compile_s": compiled, "fit_s": result.seconds}
     print(json.dumps(answer | {"impacts": sum(counts), "rms": rms}))

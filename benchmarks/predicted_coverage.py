@@ -183,7 +183,7 @@ def _fitted(study, engine, targets):
     from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import best_fit
 
-    objective, _, best = best_fit(Objective(study, study.variants[0], engine))
+    objective, best, *_ = best_fit(Objective(study, study.variants[0], engine))
     points, bounds = best.points, objective.bounds
     uncertainty = estimate(objective, points)
     draws = draw(objective, points, uncertainty.inflation, count=DRAWS)

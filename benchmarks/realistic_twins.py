@@ -5,17 +5,14 @@ degrees from the normal; e_n, e_t, the largest force, the largest penetration an
 duration are measured with noise of 5 to 10 %. Five ground parameters are fitted.
 """
 
-import dataclasses
-
 import jax
 import numpy as np
 
 from jaximpact import Block, Impact, Soil, simulate_batch
 from jaximpact.calibration.arguments import study_given
-from jaximpact.calibration.problem.config import Study
 from jaximpact.scene import Scene
 
-TESTS, STARTS = 30, 16
+TESTS = 30
 BOUNDS = {
     "c_v": (0.01, 10.0),
     "gamma_v": (0.05, 500.0),
@@ -87,7 +84,7 @@ class Twin:
         fields = ("e_n", "e_t", "max_normal_force", "max_penetration", "duration")
         return np.stack([np.asarray(getattr(made, name)) for name in fields], axis=1)
 
-    def study(self, noise_seed: int, starts: int = STARTS, stated: bool = True):
+    def study(self, noise_seed: int, stated: bool = True):
         """Make the study of these tests with noise of one seed.
 
         Args:
@@ -107,8 +104,7 @@ class Twin:
             for name, (low, high) in BOUNDS.items()
         }
         scatter = None if stated else "proportional"
-        study: Study = study_given(table, fit, None, None, None, None, scatter, 0)
-        return dataclasses.replace(study, starts=starts)
+        return study_given(table, fit, None, None, None, None, scatter, 0)
 
 
 jax.config.update("jax_enable_x64", True)

@@ -55,6 +55,14 @@ def slope_results(tmp_path_factory):
     return slope_results_in(tmp_path_factory.mktemp("slope"))
 
 
+@pytest.fixture(scope="session")
+def twin(tmp_path_factory):
+    """The calibration of `calibrated_twin`, computed once for all tests."""
+    from calibrated_twin import calibrated_twin
+
+    return calibrated_twin(tmp_path_factory.mktemp("twin"))
+
+
 @pytest.fixture
 def slope(folder, request):
     """The study `SLOPE` of the test's module, as slope.toml in an empty directory."""

@@ -81,7 +81,7 @@ def follow(scenes: Scene) -> Course:
     while np.any(lanes.going):
         lanes = _step(lanes)
         times.append(np.asarray(lanes.time))
-        jacobians = np.asarray(_jacobians(lanes.problem, lanes.course.vector))
+        jacobians = np.asarray(_jacobians(lanes.problem, lanes.state.vector))
         rates.append(fastest_rates(jacobians, np.asarray(lanes.problem.scale).T))
     steps = np.asarray(lanes.accepted + lanes.rejected)
     return Course(np.stack(times), np.stack(rates), steps)

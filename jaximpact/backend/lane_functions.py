@@ -126,16 +126,16 @@ class _Along:
 
 def _changing(traced, lanes: Lanes, place: int) -> list[int]:
     """Return the leaves of lanes that change with a leaf of their inputs, in their
-    course or, as constants, from the start."""
+    state or, as constants, from the start."""
     varied = [i == place for i in range(len(traced.in_avals))]
     from_start = depends(traced.jaxpr, varied)
-    course = {id(leaf) for leaf in jax.tree.leaves(lanes.course)}
+    state = {id(leaf) for leaf in jax.tree.leaves(lanes.state)}
     constants = {id(leaf) for leaf in jax.tree.leaves(lanes.problem)}
     return [
         i
         for i, leaf in enumerate(jax.tree.leaves(lanes))
         if jnp.issubdtype(leaf.dtype, jnp.inexact)
-        and (id(leaf) in course or (id(leaf) in constants and from_start[i]))
+        and (id(leaf) in state or (id(leaf) in constants and from_start[i]))
     ]
 
 

@@ -89,7 +89,7 @@ def compile_native(
         sampled: whether it also gives a `History` at times asked for on the way; then
             each direction has a row more, behind its leaves, for these times.
 
-    Of the state, course and constants of the problem are differentiated; widths of
+    State of the solver and constants of the problem are differentiated; widths of
     steps, and with them the time, are not.
     """
     directions = MOST_DIRECTIONS if differentiated else 0

@@ -17,12 +17,7 @@ from ..progress import Progress, ProgressFunction, reporting_to, tell, within
 from ..quantities import columns_of_part
 from ..scene import Block, Soil
 from .arguments import study_of_arguments, table_given
-from .comparison.comparison import (
-    NO_OTHERS,
-    OtherLaws,
-    check_comparison,
-    compare_study,
-)
+from .comparison.comparison import NO_OTHERS, OtherLaws, check_comparison, compare_study
 from .comparison.fitted_law import fit_simple
 from .diagnostics.examination import Examination, examine
 from .diagnostics.nuts import check_extra
@@ -33,12 +28,7 @@ from .problem.config import CompareTable, Study, read_study
 from .problem.dataset import joined_tables
 from .problem.laws import scene_of
 from .report.contents import summary
-from .report.files import (
-    as_json,
-    parameter_entries,
-    study_directory,
-    write_all,
-)
+from .report.files import as_json, parameter_entries, study_directory, write_all
 from .report.parameters import parameter_table
 from .report.prediction import prediction_report, write_prediction
 from .study import fit_study
@@ -103,27 +93,20 @@ class Calibration:
         Raises InputError if the tests do not share one ground.
         """
         fitted, study = self._chosen(variant), self.result.study
-        soil = fitted.objective.scene.soil
-        columns, fields = columns_of_part("soil", soil), {}
+        soil, fields = fitted.objective.scene.soil, {}
+        columns = columns_of_part("soil", soil)
         for name, column in columns.items():
-            values = np.unique(np.asarray(getattr(soil, column.field)))
-            if len(values) > 1:
+            of_tests = np.unique(np.asarray(getattr(soil, column.field)))
+            if len(of_tests) > 1:
                 raise InputError(
                     f"{name} differs from test to test; there is no one soil"
                 )
-            fields[column.field] = float(values[0])
-        for index, parameter in enumerate(study.parameters):
-            column = columns[parameter.name]
-            fields[column.field] = column.factor * float(fitted.parameters[index])
-        values = {
-            parameter.name: value
-            for parameter, value in zip(
-                study.parameters, fitted.parameters, strict=False
-            )
-        }
-        for tied in study.tied:
-            column = columns[tied.name]
-            fields[column.field] = column.factor * float(tied.evaluate(values))
+            fields[column.field] = float(of_tests[0])
+        names = (parameter.name for parameter in study.parameters)
+        values = dict(zip(names, fitted.parameters, strict=False))
+        values |= {tied.name: tied.evaluate(values) for tied in study.tied}
+        for name, value in values.items():
+            fields[columns[name].field] = columns[name].factor * float(value)
         return dataclasses.replace(soil, **fields)
 
     @property
@@ -159,8 +142,9 @@ class Calibration:
     def write(self, out: str | os.PathLike) -> None:
         """Write the report and its numbers, as `jaximpact calibrate` does."""
         with study_directory(
-            *(self.result.study, Path(out)),
-            posterior=any(found.samples is not None for found in self.examined),
+            self.result.study,
+            Path(out),
+            posterior=any(one.samples is not None for one in self.examined),
             compared=self.others.compared is not None,
         ) as new:
             write_all(self.result, self.examined, new, self.others)
@@ -284,15 +268,15 @@ def predict(
         ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
     measurements = joined_tables((table_given(tests, scene_of(ground.parts)),))
     with reporting_to(progress):
-        found = predict_tests(ground, measurements, inputs)
-    return Prediction(*found)
+        predicted = predict_tests(ground, measurements, inputs)
+    return Prediction(*predicted)
 
 
-def ground_of(found: Calibration) -> FittedGround:
+def ground_of(result: Calibration) -> FittedGround:
     """Convert a calibration as `read_fitted` does."""
-    study = found.result.study
+    study = result.result.study
     laws = [variant.laws for variant in study.variants]
-    return fitted_of(found.as_json(), study.parts, laws)
+    return fitted_of(result.as_json(), study.parts, laws)
 
 
 @numpy_settings()

@@ -162,17 +162,17 @@ def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Stu
         expect(f"fit of {name}", entry, Mapping)
         start = of_ground.values.get(name)
         parameters[name] = ({} if start is None else {"start": start}) | dict(entry)
-    held = {
-        whole: given.stated
+    fixed = {
+        whole: argument.stated
         | {
             name: value
-            for name, value in given.values.items()
+            for name, value in argument.values.items()
             if name in known
-            and name not in (*parameters, *measurements.inputs, *given.stated)
+            and name not in (*parameters, *measurements.inputs, *argument.stated)
         }
-        for whole, given in (("soil", of_ground), ("block", of_block))
+        for whole, argument in (("soil", of_ground), ("block", of_block))
     }
-    content = held | {"parameters": parameters, "default_sigma": sigma}
+    content = fixed | {"parameters": parameters, "default_sigma": sigma}
     content |= {"targets": None if targets is None else list(targets), "seed": seed}
     content["scatter"] = dict(scatter) if isinstance(scatter, Mapping) else scatter
     return study_of(
@@ -193,26 +193,26 @@ class _Given(NamedTuple):
 
 
 def _given(
-    what: str, kind: type[Composite], given: Composite | Mapping | None
+    what: str, kind: type[Composite], argument: Composite | Mapping | None
 ) -> _Given:
     """Read laws, or a shape, and values from an argument, which may be an object of a
     class."""
-    expect(what, given, kind, Mapping, type(None))
-    if isinstance(given, kind):
-        parts = {slot: getattr(given, slot) for slot in parts_of(kind)}
-        return _Given(parts, {}, _columns(what, given, parts_of(kind)))
+    expect(what, argument, kind, Mapping, type(None))
+    if isinstance(argument, kind):
+        parts = {slot: getattr(argument, slot) for slot in parts_of(kind)}
+        return _Given(parts, {}, _columns(what, argument, parts_of(kind)))
     whole = "soil" if kind is Soil else "block"
-    entries: Any = given or {}
+    entries: Any = argument or {}
     parts, stated = parts_and_values(Key(COLUMNS)[what], entries, whole, Path())
     objects = [slot for slot in parts if isinstance(entries[slot], Part)]
-    values = _columns(what, kind(**parts), objects, own=False)
+    values = _columns(what, kind(**parts), objects, whole_too=False)
     # Numbers of numpy and JAX as Python's.
     stated = {n: v.item() if hasattr(v, "item") else v for n, v in stated.items()}
     return _Given(parts, stated, values)
 
 
 def _columns(
-    what: str, whole: Composite, slots: Iterable[str], *, own: bool = True
+    what: str, whole: Composite, slots: Iterable[str], *, whole_too: bool = True
 ) -> dict[str, float]:
     """Collect values of a ground or a block in the units of the tables: parameters of
     some of its parts, and its own if wanted."""
@@ -221,7 +221,7 @@ def _columns(
     slots = set(slots)
     for name, column in columns_of_part(part, whole).items():
         path = whole.path_of(column.field)
-        if not (path[0] in slots if len(path) > 1 else own):
+        if not (path[0] in slots if len(path) > 1 else whole_too):
             continue
         value = np.asarray(getattr(whole, column.field))
         if value.ndim:

@@ -15,7 +15,7 @@ from .._settings import numpy_settings
 from ..io.files import write_text
 from ..io.output_files import output_directory, together
 from ..parameters import Part
-from ..progress import Progress, ProgressFunction
+from ..progress import Progress, ProgressFunction, reporting_to
 from ..reports.document import Document
 from ..reports.json_tree import json_text
 from ..reports.tables import Table
@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FILES = ("comparison.html", "comparison.csv", "comparison.json")
-LEAST_WEIGHT = 1e-4
-"""Weight below which a law has no part in the stacked prediction."""
 
 
 class StackedPrediction(NamedTuple):
@@ -112,26 +110,29 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
         sigma=np.ones(shape),
     )
     laws = tuple(predict_law(law.fitted, law.contender, new) for law in compared.laws)
-    found = np.full((3, *shape), np.nan)
+    quantiles = np.full((3, *shape), np.nan)
     tail = (1.0 - CONFIDENCE) / 2.0
     for cell in np.ndindex(*shape):
         mixture = _mixture(laws, compared.weights, cell)
         if mixture is not None:
-            found[:, *cell] = [mixture.quantile(p) for p in (0.5, tail, 1.0 - tail)]
-    return StackedPrediction(tests, study.targets, laws, compared.weights, *found)
+            quantiles[:, *cell] = [mixture.quantile(p) for p in (0.5, tail, 1.0 - tail)]
+    return StackedPrediction(tests, study.targets, laws, compared.weights, *quantiles)
 
 
 def _mixture(laws, weights: np.ndarray, cell) -> Predictive | None:
     """Mix the distributions of one measurement; None where no law has one."""
     parts = [
-        (found, weight)
+        (distribution, weight)
         for law, weight in zip(laws, weights, strict=True)
-        if weight > LEAST_WEIGHT and (found := law.distribution(*cell)) is not None
+        # Others have no part in it.
+        if weight > 1e-4 and (distribution := law.distribution(*cell)) is not None
     ]
     if not parts:
         return None
-    atoms = np.concatenate([found.atoms for found, _ in parts])
-    of_atoms = np.concatenate([weight * found.weights for found, weight in parts])
+    atoms = np.concatenate([one.atoms for one, _ in parts])
+    of_atoms = np.concatenate(
+        [weight * distribution.weights for distribution, weight in parts]
+    )
     order = np.argsort(atoms, kind="stable")
     return Predictive(atoms[order], of_atoms[order] / np.sum(of_atoms))
 
@@ -198,12 +199,12 @@ class Comparison:
         `rms_left_out` of each target. Needs pandas."""
         import pandas as pd
 
-        found = self.compared.ranking()
+        ranking = self.compared.ranking()
         columns = {
             "parameters": [law.count for law in self.compared.laws],
             "score": self.compared.by_test.totals,
-            "difference": found.apart,
-            "standard_error": found.error,
+            "difference": ranking.apart,
+            "standard_error": ranking.error,
             "weight": self.compared.weights,
         }
         for place, target in enumerate(self.compared.study.targets):
@@ -305,5 +306,5 @@ def compare(
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
     study = study_of_arguments(tests, options)
-    compared = compare_study(study, laws, by=by, exact=bool(exact))
-    return Comparison(compared)
+    with reporting_to(progress):
+        return Comparison(compare_study(study, laws, by=by, exact=bool(exact)))

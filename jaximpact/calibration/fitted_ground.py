@@ -155,8 +155,11 @@ def fitted_of(
         ),
         parameters=tuple(
             Parameter(
-                *(name, entry["start"], entry["lower"], entry["upper"]),
-                Prior(**entry["prior"]) if entry["prior"] else None,
+                name=name,
+                start=entry["start"],
+                lower=entry["lower"],
+                upper=entry["upper"],
+                prior=Prior(**entry["prior"]) if entry["prior"] else None,
             )
             for name, entry in manifest["parameters"].items()
         ),
@@ -210,7 +213,9 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
             for name, one in entry["fit"].items()
             if "part_of_size" in one
         },
-        estimated={name: not given for name, given in tree["sigma_given"].items()},
+        estimated={
+            name: not is_given for name, is_given in tree["sigma_given"].items()
+        },
         inflation=entry["uncertainty"]["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),

@@ -24,7 +24,9 @@ from ..progress import tell, within
 from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE
 from .comparison.fitted_law import LawPrediction, predict_simple
-from .diagnostics.predictive import CONFIDENCES, Predictive, predictive
+from .diagnostics.predictive import Predictive, predictive
+from .diagnostics.residuals import rms
+from .diagnostics.uncertainty import CONFIDENCE
 from .fitted_ground import FittedGround, FittedVariant
 from .problem.config import Study
 from .problem.dataset import Measurements
@@ -32,8 +34,16 @@ from .problem.forward_model import ForwardModel, models_of
 from .problem.nuisance import EACH_TEST, open_nuisances
 from .problem.objective import Objective
 
-BESIDE = 1e-6
-"""Fraction of a range, or of its larger end, by which a test may lie outside."""
+TAIL = (1.0 - CONFIDENCE) / 2.0
+OF_MODEL = {"model_low": TAIL, "model_high": 1.0 - TAIL}
+OF_MEASUREMENT = {
+    "middle": 0.5,
+    "low_50": 0.25,
+    "high_50": 0.75,
+    "low_95": TAIL,
+    "high_95": 1.0 - TAIL,
+}
+"""Quantiles of the predictive distribution, by fields of `VariantPrediction`."""
 
 
 class Outside(NamedTuple):
@@ -48,7 +58,11 @@ class Outside(NamedTuple):
 
 
 class VariantPrediction(NamedTuple):
-    """Predictions of one variant, shape (tests, targets); NaN where there is none."""
+    """Predictions of one variant, shape (tests, targets); NaN where there is none.
+
+    Intervals of `model_low` and `model_high` hold 95 % of the model's values, those of
+    `low_50` and so on measurements about it.
+    """
 
     fitted: FittedVariant
     outcomes: list[str]
@@ -58,13 +72,10 @@ class VariantPrediction(NamedTuple):
     best: np.ndarray
     """Value of the model at the best fit."""
     model_low: np.ndarray
-    """Lower end of the 95 % interval of the model's values; `model_high` the upper."""
     model_high: np.ndarray
     middle: np.ndarray
     """Median of the predicted measurement."""
     low_50: np.ndarray
-    """Lower end of the 50 % interval of measurements; `high_50` the upper, and `low_95`
-    and `high_95` those of the 95 % interval."""
     high_50: np.ndarray
     low_95: np.ndarray
     high_95: np.ndarray
@@ -107,18 +118,14 @@ class PredictedTests(NamedTuple):
 
 
 def predict_tests(
-    ground: FittedGround,
-    measurements: Measurements,
-    inputs: list[Path],
+    ground: FittedGround, measurements: Measurements, inputs: list[Path]
 ) -> PredictedTests:
     """Predict tests with every variant of a ground that was read from files."""
     study, variants = held_out_study(ground, measurements), []
     tell("compiling once")
     for fitted, model in zip(ground.variants, models_of(study), strict=True):
-        told = f"variant {len(variants) + 1} of {len(ground.variants)}: "
-        given = study, ground, fitted, model
-        with within(told):
-            variants.append(predict_variant(*given))
+        with within(f"variant {len(variants) + 1} of {len(ground.variants)}: "):
+            variants.append(predict_variant(study, ground, fitted, model))
     return PredictedTests(
         ground=ground,
         tests=study.tests,
@@ -222,10 +229,7 @@ def unknowns(
 
 
 def predict_variant(
-    study: Study,
-    ground: FittedGround,
-    fitted: FittedVariant,
-    model: ForwardModel,
+    study: Study, ground: FittedGround, fitted: FittedVariant, model: ForwardModel
 ) -> VariantPrediction:
     """Predict the tests of a study with one variant of a fitted ground."""
     objective = Objective(study, fitted.variant, model, PRESETS[ground.accuracy])
@@ -235,7 +239,8 @@ def predict_variant(
         bounds.coordinate(np.clip(p, bounds.lower, bounds.upper)) for p in (best, draws)
     )
     at_best = objective.values(best[None])
-    _, predicted, ends = objective.at(fitted.accuracy).values_by_parts(draws)
+    at_draws = objective.at(fitted.accuracy).values(draws)
+    predicted, ends = at_draws.predicted, at_draws.outcomes
     outcomes = at_best.outcomes[0]
     sigma, freedom = scatter(study, fitted, predicted, weights)
     return VariantPrediction(
@@ -258,19 +263,19 @@ def scatter(
     sigma = np.zeros(study.measured.shape)
     freedom = np.full(len(study.targets), np.inf)
     for place, name in enumerate(study.targets):
-        own = study.tests.sigmas.get(name, np.full(len(study.tests), np.nan))
+        stated = study.tests.sigmas.get(name, np.full(len(study.tests), np.nan))
         if fitted.estimated.get(name, False):
             sigma[:, place] = fitted.sigma[name]
             if name in fitted.proportional:
                 # Median of the draws for each test; 0 without any.
                 all_draws = predicted[:, :, place].T
-                found = [predictive(values, weights, 0.0) for values in all_draws]
-                middle = [0.0 if one is None else one.quantile(0.5) for one in found]
+                medians = [predictive(values, weights, 0.0) for values in all_draws]
+                middle = [0.0 if one is None else one.quantile(0.5) for one in medians]
                 sigma[:, place] = fitted.proportional[name].sigma(np.array(middle))
             freedom[place] = max(fitted.freedom[name], 1.0)
             continue
         otherwise = fitted.sigma.get(name, 0.0)
-        of_tests = np.where(np.isfinite(own), own, otherwise)
+        of_tests = np.where(np.isfinite(stated), stated, otherwise)
         if name in fitted.sigma:
             of_tests = of_tests * np.sqrt(fitted.inflation)
         sigma[:, place] = of_tests
@@ -278,42 +283,35 @@ def scatter(
 
 
 def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
-    """Compute quantiles and scores of every test and target."""
     shape = study.measured.shape
-    names = ("model_low", "model_high", "middle", "low_50", "high_50", "low_95")
-    names += ("high_95", "crps", "mean_crps", "limit_chance")
-    found = {name: np.full(shape, np.nan) for name in names}
-    tails = [(1.0 - confidence) / 2.0 for confidence in CONFIDENCES]
+    names = *OF_MODEL, *OF_MEASUREMENT, "crps", "mean_crps", "limit_chance"
+    cells = {name: np.full(shape, np.nan) for name in names}
     plain = [plain_forecast(ground.results, name) for name in study.targets]
     for cell in np.ndindex(*shape):
-        if not cell[1]:
-            tell(f"intervals of {cell[0]} of {shape[0]} tests")
-        values = predicted[:, *cell]
+        test, target = cell
+        if not target:
+            tell(f"intervals of {test} of {shape[0]} tests")
+        values = predicted[:, test, target]
         model = predictive(values, weights, 0.0)
         if model is None:
             continue
+        positive = study.targets[target] in NEVER_NEGATIVE
         of_one = predictive(
-            *(values, weights, sigma[cell], freedom[cell[1]]),
-            positive=study.targets[cell[1]] in NEVER_NEGATIVE,
+            values, weights, sigma[cell], freedom[target], positive=positive
         )
         assert of_one is not None  # the model has a value
-        found["model_low"][cell] = model.quantile(tails[1])
-        found["model_high"][cell] = model.quantile(1.0 - tails[1])
-        found["middle"][cell] = of_one.quantile(0.5)
-        for percent, tail in zip(("50", "95"), tails, strict=True):
-            found[f"low_{percent}"][cell] = of_one.quantile(tail)
-            found[f"high_{percent}"][cell] = of_one.quantile(1.0 - tail)
+        for distribution, parts in ((model, OF_MODEL), (of_one, OF_MEASUREMENT)):
+            for name, part in parts.items():
+                cells[name][cell] = distribution.quantile(part)
         measured, side = study.measured[cell], study.censored[cell]
-        if not np.isfinite(measured):
-            continue
-        if side:
+        if np.isfinite(measured) and side:
             above = of_one.above(measured)
-            found["limit_chance"][cell] = above if side > 0 else 1.0 - above
-            continue
-        found["crps"][cell] = of_one.crps(measured)
-        if plain[cell[1]] is not None:
-            found["mean_crps"][cell] = plain[cell[1]].crps(measured)
-    return found
+            cells["limit_chance"][cell] = above if side > 0 else 1.0 - above
+        elif np.isfinite(measured):
+            cells["crps"][cell] = of_one.crps(measured)
+            if plain[target] is not None:
+                cells["mean_crps"][cell] = plain[target].crps(measured)
+    return cells
 
 
 def plain_forecast(all_results: dict[str, dict], name: str) -> Predictive | None:
@@ -331,18 +329,16 @@ def plain_forecast(all_results: dict[str, dict], name: str) -> Predictive | None
 
 def _outside(ground: FittedGround, tests: Measurements) -> list[Outside]:
     """Find the columns in which tests leave the range of the fitted ones."""
-    fitted = {parameter.name for parameter in ground.parameters}
-    columns = tests.columns(ground.soil)
-    found = []
-    for name in columns:
-        if name in fitted or name not in ground.ranges:
-            continue
+    columns, leaving = tests.columns(ground.soil), []
+    known = ground.ranges.keys() - {parameter.name for parameter in ground.parameters}
+    for name in filter(known.__contains__, columns):
         low, high = ground.ranges[name]
-        room = BESIDE * max(high - low, abs(low), abs(high))
+        # Rounding leaves no range.
+        room = 1e-6 * max(high - low, abs(low), abs(high))
         beyond = (columns[name] < low - room) | (columns[name] > high + room)
         if np.any(beyond):
-            found.append(Outside(name, low, high, np.flatnonzero(beyond)))
-    return found
+            leaving.append(Outside(name, low, high, np.flatnonzero(beyond)))
+    return leaving
 
 
 class Scores(NamedTuple):
@@ -353,19 +349,16 @@ class Scores(NamedTuple):
     unpredicted: int
     """Number of measurements and limits without one."""
     rms: float | None
-    """Root mean square of predicted median less measured [unit of the target]."""
+    """Root mean square of predicted median less measured, and the mean of it."""
     bias: float | None
-    """Mean of that difference."""
     inside_50: int
-    """Number of measurements within their 50 % intervals."""
+    """Number of measurements within their 50 % intervals, and within those of 95 %."""
     inside_95: int
-    """Number of measurements within their 95 % intervals."""
     crps: float | None
     """Mean CRPS [unit of the target]; see `predictive`."""
     mean_rms: float | None
-    """Root mean square error of the mean of the fitted tests as forecast."""
+    """The same scores of a forecast by the mean of the fitted tests."""
     mean_crps: float | None
-    """Mean CRPS of that forecast."""
     skill: float | None
     """Skill score 1 - crps / mean_crps: 1 is perfect, below 0 worse than that mean."""
     limits: int
@@ -390,26 +383,23 @@ def _score(prediction, variant, name: str, place: int, known) -> Scores:
     exact = known & ~limit & there
     measured = prediction.measured[exact, place]
     apart = variant.middle[exact, place] - measured
-    inside_50, inside_95 = (
-        (measured >= low[exact, place]) & (measured <= high[exact, place])
-        for low, high in (
-            (variant.low_50, variant.high_50),
-            (variant.low_95, variant.high_95),
-        )
-    )
+
+    def inside(low: np.ndarray, high: np.ndarray) -> int:
+        within = (measured >= low[exact, place]) & (measured <= high[exact, place])
+        return int(np.sum(within))
+
     results = prediction.ground.results.get(name, {"count": 0})
-    crps, mean_crps = (
-        _mean(part[exact, place]) for part in (variant.crps, variant.mean_crps)
-    )
+    crps = _mean(variant.crps[exact, place])
+    mean_crps = _mean(variant.mean_crps[exact, place])
     return Scores(
         count=int(np.sum(exact)),
         unpredicted=int(np.sum(known & ~there)),
-        rms=_rms(apart),
+        rms=rms(apart),
         bias=_mean(apart),
-        inside_50=int(np.sum(inside_50)),
-        inside_95=int(np.sum(inside_95)),
+        inside_50=inside(variant.low_50, variant.high_50),
+        inside_95=inside(variant.low_95, variant.high_95),
         crps=crps,
-        mean_rms=_rms(results["mean"] - measured) if results["count"] else None,
+        mean_rms=rms(results["mean"] - measured) if results["count"] else None,
         mean_crps=mean_crps,
         skill=1.0 - crps / mean_crps if crps is not None and mean_crps else None,
         limits=int(np.sum(limit & there)),
@@ -420,7 +410,3 @@ def _score(prediction, variant, name: str, place: int, known) -> Scores:
 def _mean(values) -> float | None:
     known = len(values) and np.all(np.isfinite(values))
     return float(np.mean(values)) if known else None
-
-
-def _rms(values) -> float | None:
-    return float(np.sqrt(np.mean(values**2))) if len(values) else None

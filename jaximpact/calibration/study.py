@@ -1,6 +1,7 @@
 """Fit of a whole study: starts, best fit, uncertainty and verdicts of its variants."""
 
 import time
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,21 +15,19 @@ from .diagnostics.identifiability import (
 )
 from .diagnostics.jumps import Judged, judge
 from .diagnostics.results import StudyResult, VariantResult
-from .estimation.branches import NEAR
-from .estimation.least_squares import Fits, Reason
-from .estimation.sigma import settle
-from .estimation.starts import (
-    fit_on,
-    fit_starts,
+from .estimation.evolution import Population
+from .estimation.least_squares import Fits
+from .estimation.search import (
+    fit_along,
+    fit_places,
     label_minima,
-    one_of,
-    polish,
-    spread_starts,
-    with_origin,
+    refine,
+    with_end,
 )
+from .estimation.sigma import settle
 from .problem.config import Study, Variant
 from .problem.forward_model import ForwardModel, for_each_variant, models_of
-from .problem.objective import Objective, names_of, start_of
+from .problem.objective import Objective, names_of
 
 LOWER_BY = 1e-3
 """Fraction of the cost, and of s^2, by which a profile or a draw must find a lower cost
@@ -69,44 +68,47 @@ def fit_study(
     return StudyResult(study, results, time.perf_counter() - begin, names)
 
 
-def best_fit(objective: Objective) -> tuple[Objective, Fits, Fits]:
-    """Fit from all starts of a study: the objective with the estimated sigmas, the ends
-    of all starts, and the best fit alone."""
+class BestFit(NamedTuple):
+    """Fit of a study before it is judged."""
+
+    objective: Objective
+    """Objective function with the estimated sigmas."""
+    best: Fits
+    """Best fit alone."""
+    ends: Fits
+    """Ends of the fits from the best places, the best fit among them."""
+    population: Population | None
+    """Population that found these places; None without a search."""
+
+
+def best_fit(objective: Objective) -> BestFit:
+    """Fit a study, with the sigmas that are not given."""
     study = objective.study
-    starts = starts_of(objective)
-    ends = fit_starts(objective, starts, study.method)
+    ends, population = fit_places(objective)
     if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
         raise InputError("no start gives a prediction", file=study.path)
-    origin = ends.best
-    objective, best = settle(objective, one_of(ends, origin), fit_on)
-    if not np.all(study.sigma_given):
-        # Which end is the best depends on what is estimated.
-        ends = ends._replace(points=objective.reevaluate(ends.points))
-        ends = polish(objective, ends)
-        if ends.points.cost[ends.best] < best.points.cost[0]:
-            origin = ends.best
-            objective, best = settle(objective, one_of(ends, origin), fit_on)
-    return objective, with_origin(ends, origin, best), best
-
-
-def starts_of(objective: Objective) -> np.ndarray:
-    """Sample the starting points of a study, shape (starts, unknowns) in x."""
-    study = objective.study
-    prior = objective.prior_mean, objective.prior_sd
-    given = objective.bounds, start_of(study), *prior
-    return spread_starts(*given, study.starts, study.seed)
+    lane = ends.best
+    objective, best = settle(objective, ends.take([lane]), fit_along)
+    # Which end is the best depends on the sigmas that are estimated.
+    other = int(np.argmin(objective.reevaluate(ends.points).cost))
+    if not np.all(study.sigma_given) and other != lane:
+        end = refine(objective, ends.points.x[other])
+        if end.points.cost[0] < best.points.cost[0]:
+            objective, best = settle(objective, end, fit_along)
+            lane = other
+    return BestFit(objective, best, with_end(ends, lane, best), population)
 
 
 def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
-    study, starts = objective.study, starts_of(objective)
-    objective, ends, best = best_fit(objective)
+    study = objective.study
+    objective, best, ends, population = best_fit(objective)
+    lane = int(np.argmin(np.abs(ends.points.x - best.points.x).sum(axis=1)))
     objective, best, judged, profiles = _profiled(objective, best)
     uncertainty = judged.uncertainty
-    if np.any(judged.shares > NEAR):
-        # It may have gone on along a jump, and what ended beside it with it.
-        ends = with_origin(ends, ends.best, best)
-    # Sigmas may have changed since the starts ended.
+    # It may have gone on from a draw or a profile, and sigmas may have changed.
     ends = ends._replace(points=objective.reevaluate(ends.points))
+    found_later = best.points.cost[0] < _below(objective, ends.points.cost[lane])
+    ends = with_end(ends, lane, best)
     reasons = label_minima(objective, ends, float(best.points.cost[0]))
     ends = ends._replace(reasons=reasons)
     by_name = {profile.name: profile for profile in profiles}
@@ -128,12 +130,13 @@ def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
         ),
         directions=directions(soil, objective.bounds, uncertainty),
         profiles=by_name,
-        start_parameters=objective.bounds.parameter(starts),
         end_parameters=objective.bounds.parameter(ends.points.x),
-        start_costs=ends.points.cost,
-        start_reasons=reasons,
-        start_steps=ends.steps,
-        start_restarts=np.broadcast_to(ends.restarts, len(starts)),
+        end_costs=ends.points.cost,
+        end_reasons=reasons,
+        end_steps=ends.steps,
+        members=len(population.x) if population else 0,
+        agreed=population.agreed if population else 0,
+        found_later=bool(found_later),
         reason=best.reasons[0],
         objective=objective,
         points=point,
@@ -192,18 +195,15 @@ def _fit_again(
 ) -> tuple[Objective, Fits] | None:
     """Fit from x; None where that ends no lower than the best fit, or at no minimum
     though that one did."""
-    begin = Fits(objective(x[None]), [Reason.jump], np.zeros(1, int))
-    again = polish(objective, begin)
-    if again.points.cost[0] >= begin.points.cost[0]:
+    again = refine(objective, x)
+    if again.points.cost[0] >= objective.values(x[None]).cost[0]:
         # Lost at a lower accuracy, at which steps are cheaper.
         with within("refining, "):
-            again = fit_on(objective, x[None])
-    if not again.reasons[0].at_minimum:
-        again = polish(objective, again)
+            again = fit_along(objective, x)
     lost = best.reasons[0].at_minimum and not again.reasons[0].at_minimum
     if lost or again.points.cost[0] >= best.points.cost[0]:
         return None
-    return settle(objective, again, fit_on)
+    return settle(objective, again, fit_along)
 
 
 def _profiles(judged: Judged, best: Fits) -> list[LikelihoodProfile]:

@@ -26,9 +26,10 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         standard deviation of its measurement. A cell of a result may
                         be empty, or a limit like >0.3 or <0.1
   targets               results to fit (default: all that the tables hold)
-  starts, seed          how many fits, from where (default: 64, 0)
+  starts, seed          how many candidates search together, and the seed of the
+                        random numbers (default: 48, 0); 1 fits from the start alone
   accuracy              fast, balanced or reference (default: reference)
-  method                levenberg-marquardt, adam or l-bfgs (default: the first)
+  method                trust-region, adam or l-bfgs (default: the first)
   loss                  gaussian, soft-l1 or student (default: the first)
   [parameters]          what is fitted, for example
                         c_v = { start = 1.0, lower = 0.01, upper = 10.0 }

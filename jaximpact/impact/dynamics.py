@@ -84,7 +84,7 @@ class Work(NamedTuple):
     stiffness: Scalar
 
 
-class Ground(NamedTuple):
+class ImpactConstants(NamedTuple):
     """Constants of the laws and the balance, worked out once an impact."""
 
     soil: Soil
@@ -103,7 +103,7 @@ class Ground(NamedTuple):
     slider_friction: Scalar  # tan(phi_b) [-]
 
 
-def prepare(scene: Scene) -> Ground:
+def prepare(scene: Scene) -> ImpactConstants:
     """Work out the constants of one impact."""
     block, soil, impact = scene.block, scene.soil, scene.impact
     axes = block.semi_axes
@@ -113,7 +113,7 @@ def prepare(scene: Scene) -> Ground:
     start_side = None
     if block.shape.side_of(sin, cos) is not None:
         start_side, _ = block.shape.side_towards(sin, cos, impact.angular_velocity)
-    return Ground(
+    return ImpactConstants(
         soil=soil,
         shape=block.shape,
         axes=axes,
@@ -152,7 +152,7 @@ class Contact(NamedTuple):
     """Rates of the elastic displacements: normal, tangential, rotation."""
 
 
-def turned(ground: Ground, rotation: Scalar) -> tuple[Scalar, Scalar]:
+def turned(ground: ImpactConstants, rotation: Scalar) -> tuple[Scalar, Scalar]:
     """Sine and cosine of the orientation after a rotation theta [rad]."""
     sin_turn, cos_turn = jnp.sin(rotation), jnp.cos(rotation)
     return (
@@ -162,7 +162,10 @@ def turned(ground: Ground, rotation: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def contact_geometry(
-    ground: Ground, penetration: Scalar, rotation: Scalar, branch: Branch | None = None
+    ground: ImpactConstants,
+    penetration: Scalar,
+    rotation: Scalar,
+    branch: Branch | None = None,
 ) -> Foundation:
     """Compute the equivalent foundation at a penetration u_n [m] and a rotation theta
     [rad]; the sinking is `u_D = u_n + r_y - r_y0`."""
@@ -179,7 +182,7 @@ def contact_geometry(
 
 
 def jump_of_elastic_normal(
-    ground: Ground, motion: Motion, before: Branch, after: Flag | None
+    ground: ImpactConstants, motion: Motion, before: Branch, after: Flag | None
 ) -> Scalar:
     r"""Change of $u^{ed}_n$ where the block has rolled over a level face [m].
 
@@ -210,7 +213,7 @@ def jump_of_elastic_normal(
     return jnp.where(turns, jump * past, 0.0)
 
 
-def for_laws(ground: Ground, base: Foundation) -> Foundation:
+def for_laws(ground: ImpactConstants, base: Foundation) -> Foundation:
     """Keep the sizes of a foundation positive, as the laws need them."""
     floor = SMALLEST_FOUNDATION * ground.axes.minor
     return base._replace(
@@ -234,7 +237,7 @@ def _spread(result, motion: Motion):
 
 
 def contact(
-    ground: Ground,
+    ground: ImpactConstants,
     motion: Motion,
     forces: Forces | None = None,
     branch: Branch | None = None,
@@ -309,7 +312,7 @@ def contact(
 
 
 def force_rate(
-    ground: Ground, now: Contact, passing_time: Scalar, stalled: Scalar | float
+    ground: ImpactConstants, now: Contact, passing_time: Scalar, stalled: Scalar | float
 ) -> Forces:
     r"""Rates at which forces follow what springs and dashpots carry.
 
@@ -351,7 +354,7 @@ def force_rate(
     )
 
 
-def motion_rate(ground: Ground, motion: Motion, now: Contact) -> Motion:
+def motion_rate(ground: ImpactConstants, motion: Motion, now: Contact) -> Motion:
     """Time derivative of the state: balance and kinematics."""
     forces, base = now.forces, now.foundation
     moment = (
@@ -371,7 +374,7 @@ def motion_rate(ground: Ground, motion: Motion, now: Contact) -> Motion:
 
 
 def work_rate(
-    ground: Ground,
+    ground: ImpactConstants,
     motion: Motion,
     now: Contact,
     elastic_rates: tuple[Scalar, Scalar, Scalar],
@@ -461,7 +464,7 @@ def initial_motion(scene: Scene) -> Motion:
     )
 
 
-def kinetic_energy(ground: Ground, motion: Motion) -> Scalar:
+def kinetic_energy(ground: ImpactConstants, motion: Motion) -> Scalar:
     """Translational and rotational kinetic energy [J]."""
     return 0.5 * (
         ground.mass * (motion.normal_velocity**2 + motion.tangential_velocity**2)

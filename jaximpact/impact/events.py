@@ -17,7 +17,7 @@ from ..laws import AbstractHardening, Branch
 from .dynamics import (
     INITIAL_SINKING,
     Contact,
-    Ground,
+    ImpactConstants,
     Motion,
     elastic_energy,
     kinetic_energy,
@@ -53,7 +53,7 @@ class Switches(NamedTuple):
 
 
 def switches(
-    ground: Ground, motion: Motion, now: Contact, force_scale: Scalar
+    ground: ImpactConstants, motion: Motion, now: Contact, force_scale: Scalar
 ) -> Switches:
     """Compute values of the switching functions.
 
@@ -79,7 +79,7 @@ def switches(
     )
 
 
-def at_start(ground: Ground, switches: Switches) -> Switches:
+def at_start(ground: ImpactConstants, switches: Switches) -> Switches:
     """Return the switching functions at touch: a block that lies on a level face is on
     the side to which its spin turns it."""
     if switches.side is None or ground.start_side is None:
@@ -168,7 +168,7 @@ OUTCOME_OF_MARGIN = (
 )
 
 
-def closing_velocity(ground: Ground, motion: Motion) -> Scalar:
+def closing_velocity(ground: ImpactConstants, motion: Motion) -> Scalar:
     """Compute the velocity at which the block's deepest point sinks at touch [m/s]; a
     block for which it is not positive is separating."""
     arm = ground.shape.arm_at_touch(
@@ -178,7 +178,7 @@ def closing_velocity(ground: Ground, motion: Motion) -> Scalar:
 
 
 def end_margins(
-    ground: Ground,
+    ground: ImpactConstants,
     motion: Motion,
     now: Contact,
     force_scale: Scalar,

@@ -20,7 +20,7 @@ from ..shapes import Foundation
 from .dynamics import (
     Contact,
     Forces,
-    Ground,
+    ImpactConstants,
     Motion,
     Work,
     contact,
@@ -85,7 +85,7 @@ class Watched(NamedTuple):
 class Problem(eqx.Module):
     """The initial value problem of one impact."""
 
-    ground: Ground
+    ground: ImpactConstants
     scale: Float[Array, " n"]
     """Magnitude of each unknown over the impact."""
     force_scale: Scalar
@@ -274,7 +274,7 @@ class Problem(eqx.Module):
         )
 
 
-def stiffness_of_block(ground: Ground) -> Stiffness:
+def stiffness_of_block(ground: ImpactConstants) -> Stiffness:
     """Compute the stiffness of the ground under a footing of the block's size."""
     radius = ground.axes.minor
     zero = jnp.zeros_like(radius)

@@ -21,7 +21,7 @@ from ..impact.results import History, history_at
 from .accumulators import LastStep, add_work, no_step, start_fold
 from .event_location import LANDING, LandingState
 from .rosenbrock import ORDER, per_width
-from .single import TERMS, Course, End, advance, end_of, step_size_controller
+from .single import TERMS, End, SolverState, advance, end_of, step_size_controller
 
 LaneScalars = Float[Array, " lanes"]
 
@@ -30,7 +30,7 @@ class Lanes(NamedTuple):
     """State of impacts being integrated side by side."""
 
     problem: Problem
-    course: Course
+    state: SolverState
     time: LaneScalars
     until: LaneScalars
     """End of the step that is tried next [s]."""
@@ -59,16 +59,16 @@ def start_lanes(assembly, scenes, tolerance, floor, sampled: bool = False) -> La
         problem, vector = pose(scene, assembly, tolerance, floor)
         fold = start_fold(problem, vector)
         last = no_step(vector, fold) if sampled else None
-        course = Course(vector, fold, last)
+        state = SolverState(vector, fold, last)
         start = jnp.zeros_like(problem.force_scale)
         none: Any = None  # the controller chooses the width, and needs no rates
         until, control = step_size_controller().init(
-            TERMS, start, TIME_LIMIT, course, none, problem, none, ORDER
+            TERMS, start, TIME_LIMIT, state, none, problem, none, ORDER
         )
         still = jnp.zeros((), int)
         return Lanes(
             problem,
-            course,
+            state,
             start,
             until,
             control,
@@ -85,22 +85,22 @@ def step_lanes(lanes: Lanes) -> Lanes:
     going = lanes.going
     controller = step_size_controller()
 
-    def control(time, until, before, after, problem, errors, state):
-        keep, time, until, _, state, _ = controller.adapt_step_size(
-            time, until, before, after, problem, errors, ORDER, state
+    def control(time, until, before, after, problem, errors, controller_state):
+        keep, time, until, _, controller_state, _ = controller.adapt_step_size(
+            time, until, before, after, problem, errors, ORDER, controller_state
         )
-        return keep, time, until, state
+        return keep, time, until, controller_state
 
     after, errors = advance(
-        lanes.problem, lanes.course, lanes.time, lanes.until - lanes.time
+        lanes.problem, lanes.state, lanes.time, lanes.until - lanes.time
     )
-    keep, time, until, state = jax.lax.stop_gradient(
+    keep, time, until, controller_state = jax.lax.stop_gradient(
         jax.vmap(control, in_axes=-1, out_axes=-1)(
             *jax.lax.stop_gradient(
                 (
                     lanes.time,
                     lanes.until,
-                    lanes.course._replace(last=None),
+                    lanes.state._replace(last=None),
                     after._replace(last=None),
                     lanes.problem,
                     errors,
@@ -113,14 +113,14 @@ def step_lanes(lanes: Lanes) -> Lanes:
     def where(condition, new, old):
         return jax.tree.map(lambda n, o: jnp.where(condition, n, o), new, old)
 
-    course = where(going & keep, after, lanes.course)
+    state = where(going & keep, after, lanes.state)
     return Lanes(
         problem=lanes.problem,
-        course=course,
+        state=state,
         time=jnp.where(going, time, lanes.time),
         until=jnp.where(going, jnp.minimum(until, TIME_LIMIT), lanes.until),
-        control=where(going, state, lanes.control),
-        event=lanes.event | (going & (course.fold.margin <= LANDING)),
+        control=where(going, controller_state, lanes.control),
+        event=lanes.event | (going & (state.fold.margin <= LANDING)),
         accepted=lanes.accepted + (going & keep),
         rejected=lanes.rejected + (going & ~keep),
     )
@@ -128,10 +128,8 @@ def step_lanes(lanes: Lanes) -> Lanes:
 
 def sample_lanes(lanes: Lanes, times: LaneScalars) -> History:
     """Return the histories of the impacts at times in their last steps."""
-    assert lanes.course.last is not None, "lanes that are sampled"
-    return jax.vmap(sample, in_axes=(-1, -1, 0))(
-        lanes.problem, lanes.course.last, times
-    )
+    assert lanes.state.last is not None, "lanes that are sampled"
+    return jax.vmap(sample, in_axes=(-1, -1, 0))(lanes.problem, lanes.state.last, times)
 
 
 def march_and_sample(lanes: Lanes, times: Float[Array, " times"]):
@@ -160,7 +158,7 @@ def end_lanes(lanes: Lanes) -> End:
     def of_lane(lanes: Lanes) -> End:
         return end_of(
             lanes.problem,
-            lanes.course,
+            lanes.state,
             lanes.time,
             lanes.event,
             lanes.event | (lanes.time >= TIME_LIMIT),

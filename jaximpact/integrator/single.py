@@ -32,7 +32,7 @@ LARGEST_CORRECTION = 1e-6
 has landed the correction is some 1e-10."""
 
 
-class Course(NamedTuple):
+class SolverState(NamedTuple):
     """State of `FoldingSolver`."""
 
     vector: Float[Array, " n"]
@@ -48,35 +48,35 @@ TERMS = diffrax.ODETerm(lambda t, y, args: y)
 @functools.partial(jax.jit, static_argnames="solver")
 def advance(
     problem: Problem,
-    course: Course,
+    state: SolverState,
     time: Scalar,
     width: Scalar,
     solver: diffrax.AbstractAdaptiveSolver | None = None,
-) -> tuple[Course, Course]:
-    """Take one step of the package's method, or of another solver. Returns the course
+) -> tuple[SolverState, SolverState]:
+    """Take one step of the package's method, or of another solver. Returns the state
     after the step, and its errors in units of what is allowed."""
     # `jit` keeps diffrax from tracing the step four times over.
-    branch = branch_of(course.fold.watched.switches)
+    branch = branch_of(state.fold.watched.switches)
     if solver is None:
-        vector, error, step = _rodas5p(problem, course, width, branch)
+        vector, error, step = _rodas5p(problem, state, width, branch)
     else:
         vector, error, step = solver_step(
             solver,
             problem,
-            course.vector,
+            state.vector,
             width,
             branch,
-            course.fold.stalled,
-            course.fold.peaks.normal_force,
+            state.fold.stalled,
+            state.fold.peaks.normal_force,
         )
-    size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
-    allowed = problem.allowed_error(size, course.fold.peaks.normal_force)
-    fold = fold_step(problem, course.fold, time, step, branch)
+    size = jnp.maximum(jnp.abs(state.vector), jnp.abs(vector))
+    allowed = problem.allowed_error(size, state.fold.peaks.normal_force)
+    fold = fold_step(problem, state.fold, time, step, branch)
     vector = problem.on_next_side(vector, branch, fold.watched.switches)
     last = None
-    if course.last is not None:
-        last = LastStep(time, step, branch, course.fold.work)
-    after = Course(vector, fold)
+    if state.last is not None:
+        last = LastStep(time, step, branch, state.fold.work)
+    after = SolverState(vector, fold)
     # A non-finite error means that the step is far too long: reject it.
     error = jax.lax.stop_gradient(error / allowed)
     errors = jax.tree.map(jnp.zeros_like, after)
@@ -85,19 +85,19 @@ def advance(
     )
 
 
-def _rodas5p(problem: Problem, course: Course, width: Scalar, branch: Branch):
+def _rodas5p(problem: Problem, state: SolverState, width: Scalar, branch: Branch):
     """Return the state after a step of the package's method, its error, and the dense
     output."""
     vector, error, stages = rodas5p_step(
-        lambda rows: problem.rates(rows, branch, course.fold.stalled),
-        course.vector,
+        lambda rows: problem.rates(rows, branch, state.fold.stalled),
+        state.vector,
         width,
         jacobian_pattern(problem),
     )
     step = DenseOutput(
         t0=jnp.zeros_like(width),
         t1=width,
-        **dense_output(course.vector, vector, stages),
+        **dense_output(state.vector, vector, stages),
     )
     return vector, error, step
 
@@ -164,7 +164,7 @@ def diffrax_arguments(
         t1=TIME_LIMIT,
         # Given here, it would be checked in a callback to the host.
         dt0=None,
-        y0=Course(vector, start_fold(problem, vector)),
+        y0=SolverState(vector, start_fold(problem, vector)),
         args=problem,
         stepsize_controller=step_size_controller(),
         event=diffrax.Event(lambda t, y, args, **kwargs: y.fold.margin <= LANDING),
@@ -213,7 +213,7 @@ def integrate(
 
 
 def end_of(
-    problem: Problem, course: Course, time, event, finished, accepted, rejected
+    problem: Problem, state: SolverState, time, event, finished, accepted, rejected
 ) -> End:
     """Make the end of an impact from the last state of its integration.
 
@@ -221,22 +221,22 @@ def end_of(
     the step that met the event could not land on it, or its margin fades to zero, the
     correction would be a leap, back in time even: there its value is left out.
     """
-    margins = jnp.stack(course.fold.watched.margins)
+    margins = jnp.stack(state.fold.watched.margins)
     least = jnp.argmin(margins, axis=0)
     margin, slope = (
         jnp.take_along_axis(values, least[None], axis=0)[0]
-        for values in (margins, jnp.stack(course.fold.watched_rate.margins))
+        for values in (margins, jnp.stack(state.fold.watched_rate.margins))
     )
     falls = event & (slope * time < -LANDING)
     correction = jnp.where(falls, margin / jnp.where(falls, slope, 1.0), 0.0)
     is_leap = jnp.abs(correction) > LARGEST_CORRECTION * time
     correction = correction - jnp.where(is_leap, jax.lax.stop_gradient(correction), 0.0)
-    vector = course.vector - correction * course.fold.rates
+    vector = state.vector - correction * state.fold.rates
     return End(
         vector=vector,
         time=jax.lax.stop_gradient(time) - correction,
-        fold=_peaks_at_the_end(problem, course.fold, time, vector),
-        margins=problem.margins(vector, course.fold.peaks.normal_force),
+        fold=_peaks_at_the_end(problem, state.fold, time, vector),
+        margins=problem.margins(vector, state.fold.peaks.normal_force),
         event=event,
         finished=finished & jnp.all(jnp.isfinite(vector)),
         steps=accepted,

@@ -22,10 +22,6 @@ from .table import Entry, ReboundTable, look_up_many
 PART = 512
 """Impacts looked up at once. Always so many, so that nothing is compiled again and the
 result of a lane does not depend, to the last bit, on how many run beside it."""
-ROUNDING = 1e-12
-"""Relative."""
-SLOPE_MARGIN = 1e-9
-"""Rounding of slopes [rad]."""
 
 
 class Tabulated:
@@ -54,8 +50,8 @@ class Tabulated:
         for table, pair in zip(self.tables, self._pairs, strict=True):
             chosen = open_yet & _same(ours, pair, count)
             if np.any(chosen):
-                some = jax.tree.map(lambda leaf, where=chosen: leaf[where], impact)
-                columns[:, chosen] = _in_parts(table, some)
+                lanes = jax.tree.map(lambda leaf, where=chosen: leaf[where], impact)
+                columns[:, chosen] = _in_parts(table, lanes)
                 open_yet &= ~chosen
         if np.any(open_yet):
             lane = int(np.argmax(open_yet))
@@ -79,7 +75,7 @@ class Tabulated:
         least_slope: np.ndarray,
         most_slope: np.ndarray,
     ) -> str | None:
-        """Say in one sentence what of a run-out the tables do not hold; None if all.
+        """Say in one sentence what of a run-out the tables do not have; None if all.
 
         Args:
             block: fields `(blocks,)`.
@@ -89,22 +85,19 @@ class Tabulated:
         """
         shape = least_slope.shape
         block = jax.tree.map(lambda leaf: np.asarray(leaf)[:, None], block)
-        held, flat = np.zeros(shape, bool), np.zeros(shape, bool)
-        ours = _alternatives(block, soil)
+        known, covered = np.zeros(shape, bool), np.zeros(shape, bool)
+        ours, rounding = _alternatives(block, soil), 1e-9
         for table, pair in zip(self.tables, self._pairs, strict=True):
             same = _same(ours, pair, shape)
             low, high = (float(table.slopes[end]) for end in (0, -1))
-            held |= same
-            flat |= (
-                same
-                & (least_slope >= low - SLOPE_MARGIN)
-                & (most_slope <= high + SLOPE_MARGIN)
-            )
-        if np.all(held & flat):
+            known |= same
+            within = least_slope >= low - rounding
+            covered |= same & within & (most_slope <= high + rounding)
+        if np.all(covered):
             return None
-        lane, segment = (int(i) for i in np.argwhere(~(held & flat))[0])
+        lane, segment = (int(i) for i in np.argwhere(~covered)[0])
         where = f"block {lane} on segment {segment + 1}"
-        if held[lane, segment]:
+        if known[lane, segment]:
             slopes = least_slope[lane, segment], most_slope[lane, segment]
             low, high = (slope / DEGREE for slope in slopes)
             needed = f"{low:.5g}" if high == low else f"{low:.5g} to {high:.5g}"
@@ -118,37 +111,33 @@ class Tabulated:
                 lambda leaf: np.broadcast_to(leaf, shape)[lane, segment], tree
             )
 
-        block, soil = one(block), one(soil)
-        ((alone, _),) = each_shape(Scene(block, soil))
-        told = [_difference(alone, table) for table in self.tables]
-        nearest = min(told, key=lambda text: text.count(","))
+        ((alone, _),) = each_shape(Scene(one(block), one(soil)))
+        differences = [_difference(alone, table) for table in self.tables]
+        nearest = min(differences, key=lambda text: text.count(","))
         return f"holds no table of {where}: its {nearest}"
 
 
 class _Pair(NamedTuple):
     """Block on a ground."""
 
-    structure: Any
-    """Shape and laws."""
+    structure: Any  # shape and laws
     numbers: list
-    chosen: Any
-    """Places of the lanes that have this shape."""
+    chosen: Any  # places of the lanes that have this shape
 
     @classmethod
     def of(cls, table: ReboundTable) -> "_Pair":
-        """Return the identity of a table's block and ground; floats, as every contact
-        compares them."""
+        """Make the pair of a table, with floats, as every contact compares them."""
         leaves, structure = jax.tree.flatten((table.block, table.soil))
         return cls(structure, [float(leaf) for leaf in leaves], ...)
 
 
 def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
     """Blocks on grounds, those of one shape at a time."""
-    found = []
+    pairs = []
     for alone, chosen in each_shape(Scene(block, soil)):
         leaves, structure = jax.tree.flatten((alone.block, alone.soil))
-        found.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
-    return found
+        pairs.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
+    return pairs
 
 
 def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:
@@ -165,23 +154,23 @@ def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:
 
 
 def _alike(a, b: float) -> np.ndarray:
-    return np.abs(a - b) <= ROUNDING * abs(b)
+    return np.abs(a - b) <= 1e-12 * abs(b)  # but for rounding
 
 
 def _difference(scene: Scene, table: ReboundTable) -> str:
     """Say in what a block on a ground, scalars, differ from those of a table."""
-    told, of_table = [], Scene(table.block, table.soil)
+    differences, of_table = [], Scene(table.block, table.soil)
     names = part_names(table.soil, table.block)
     for slot, name in part_names(scene.soil, scene.block).items():
         if name != names[slot]:
-            told.append(f"{slot} is {name} and in a table {names[slot]}")
+            differences.append(f"{slot} is {name} and in a table {names[slot]}")
     columns = columns_of(of_table)
     for name, column in columns_of(scene).items():
         if column.part != "impact" and name in columns:
             ours, theirs = (float(value_of(of, column)) for of in (scene, of_table))
             if not _alike(ours, theirs):
-                told.append(f"{name} is {ours:g} and in a table {theirs:g}")
-    return ", ".join(told)
+                differences.append(f"{name} is {ours:g} and in a table {theirs:g}")
+    return ", ".join(differences)
 
 
 def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:

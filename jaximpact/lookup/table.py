@@ -51,12 +51,9 @@ Numbers = Scalar | np.ndarray
 class Direction(NamedTuple):
     """Coordinates of the velocities of an arriving block."""
 
-    total_speed: Numbers
-    """Total speed w [m/s]."""
-    elevation: Numbers
-    """Elevation epsilon [rad]; where it is not positive, the point moves away."""
-    azimuth: Numbers
-    """Azimuth alpha [rad]."""
+    total_speed: Numbers  # total speed w [m/s]
+    elevation: Numbers  # epsilon [rad]; not positive where the point moves away
+    azimuth: Numbers  # azimuth alpha [rad]
 
 
 def gravity_speed(block: Block) -> Scalar:
@@ -325,12 +322,12 @@ def _kept_velocity(block: Block, impact: Impact, after: Entry) -> Scalar:
     support_after, _ = _arms(block, impact.orientation + after.rotation)
     descent = after.sinking - support_after + support_before
     along = 0.5 * weight * jnp.sin(impact.slope) * after.duration
-    given = before + weight * jnp.cos(impact.slope) * descent
-    given = given + along * impact.tangential_velocity
-    own = along * after.tangential_velocity
-    gains = whole > given + own
+    available = before + weight * jnp.cos(impact.slope) * descent
+    available = available + along * impact.tangential_velocity
+    from_travel = along * after.tangential_velocity
+    gains = whole > available + from_travel
     twice = jnp.where(gains, 2.0 * whole, 1.0)
-    part = (own + safe_sqrt(own**2 + 2.0 * twice * given)) / twice
+    part = (from_travel + safe_sqrt(from_travel**2 + 2.0 * twice * available)) / twice
     return jnp.where(gains, jnp.clip(part, 0.0, 1.0), 1.0)
 
 
@@ -345,17 +342,17 @@ def _read(entries, outcomes, places) -> tuple[list[Scalar], Scalar]:
         low = jnp.minimum(place.astype(int), count - 2)
         share = place - low
         corners.append([(low, 1.0 - share), (low + 1, share)])
-    found, votes = [], [0.0] * len(Outcome)
+    nodes, votes = [], [0.0] * len(Outcome)
     for around in itertools.product(*corners):
         index = tuple(place for place, _ in around)
         weight = functools.reduce(jnp.multiply, [share for _, share in around])
         code = outcomes[index]
-        found.append((index, weight, code))
+        nodes.append((index, weight, code))
         votes = [v + jnp.where(code == k, weight, 0.0) for k, v in enumerate(votes)]
     outcome = jnp.argmax(jnp.stack(jnp.broadcast_arrays(*votes)), axis=0)
     total: Any = 0.0
     sums: Any = 0.0
-    for index, weight, code in found:
+    for index, weight, code in nodes:
         weight = jnp.where(code == outcome, weight, 0.0)
         total = total + weight
         sums = sums + weight[..., None] * entries[index]

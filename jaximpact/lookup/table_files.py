@@ -94,10 +94,8 @@ def read_table(path: Path) -> ReboundTable:
 
 
 def _scene(path: Path, dataset: xr.Dataset) -> Scene:
-    """Block and ground that a table was made for.
-
-    Raises InputError for a law or a shape that is not found again as it was.
-    """
+    """Make block and ground that a table was made for; InputError for a law or a shape
+    that is not found again as it was."""
     values = json.loads(dataset.attrs["scene"])
     names = json.loads(dataset.attrs["laws"])
     try:
@@ -131,19 +129,18 @@ def write_csv(path: Path, table: ReboundTable) -> None:
     radius = float(table.block.semi_axes.minor)
     change = np.asarray(table.entries).reshape(-1, len(ENTRIES))
     codes = np.asarray(table.outcomes).ravel()
-    v_n, v_t = (
-        np.asarray(impact.normal_velocity),
-        np.asarray(impact.tangential_velocity),
-    )
+    v_n, v_t = map(np.asarray, (impact.normal_velocity, impact.tangential_velocity))
     after_n = v_n + change[:, 0] * scale
     after_t = v_t + change[:, 1] * scale
     spin = impact.angular_velocity + change[:, 2] * scale / radius
     with np.errstate(divide="ignore", invalid="ignore"):
-        numbers = {
-            "e_n": np.where(v_n != 0.0, -after_n / v_n, np.nan),
-            "e_t": np.where(v_t != 0.0, after_t / v_t, np.nan),
-        }
-    numbers |= {
+        e_n, e_t = (
+            np.where(before != 0.0, ratio, np.nan)
+            for before, ratio in ((v_n, -after_n / v_n), (v_t, after_t / v_t))
+        )
+    numbers = {
+        "e_n": e_n,
+        "e_t": e_t,
         "normal_velocity_mps": after_n,
         "tangential_velocity_mps": after_t,
         "angular_velocity_after_degps": spin / DEGREE,

@@ -38,21 +38,15 @@ class TableStudy(NamedTuple):
 
     block: Block
     soil: Soil
-    accuracy: str
-    """Name of a preset."""
-    slopes: np.ndarray
-    """Slopes of the table [rad]."""
-    speeds: tuple[float, float]
-    """First and last total speed of the table [m/s]."""
+    accuracy: str  # name of a preset
+    slopes: np.ndarray  # slopes of the table [rad]
+    speeds: tuple[float, float]  # first and last total speed of the table [m/s]
     nodes: Nodes
 
 
 def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
-    """Read what to tabulate; `jaximpact tabulate --help` describes the file.
-
-    Args:
-        path: the file.
-        accuracy: in place of the file's.
+    """Read what to tabulate, with an accuracy in place of the file's if one is given;
+    `jaximpact tabulate --help` describes the file.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """

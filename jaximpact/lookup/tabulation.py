@@ -3,7 +3,6 @@
 import contextlib
 import dataclasses
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -45,19 +44,10 @@ def compute(
     accuracy: str | Accuracy,
     journal: Journal | None = None,
 ) -> ImpactResponses:
-    """Compute impacts of one block on one ground by the full model, as `respond` does.
-
-    Args:
-        block, soil: scalars.
-        impact: arrays `(n,)`.
-        accuracy: as for `simulate`.
-    """
+    """Compute impacts, arrays `(n,)`, of one block on one ground, scalars, by the full
+    model, as `respond` does."""
     scene, _ = broadcast_scene(Scene(block, soil, impact))
     return respond(scene, get_accuracy(accuracy), journal)
-
-
-SLOWEST = 1.0
-"""Lowest total speed of the random impacts [m/s]."""
 
 
 def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
@@ -67,7 +57,7 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
     1 m/s or the table's first speed on.
     """
     generator = np.random.default_rng(seed)
-    low, high = max(SLOWEST, float(table.speeds[0])), float(table.speeds[-1])
+    low, high = max(1.0, float(table.speeds[0])), float(table.speeds[-1])
     closing, slip, turning = generator.normal(size=(3, count))
     factor = slip_factor_of(table.outcomes.shape[3])
     direction = Direction(
@@ -84,26 +74,14 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
     )
 
 
-def relative_velocities(
-    impact: Impact, radius: ArrayLike, velocities: Sequence[ArrayLike]
-) -> np.ndarray:
-    """Give v_n, v_t and Omega R as fractions of the total speed before the impact.
-
-    Args:
-        impact: arrays `(n,)`.
-        radius: minor semi-axis R of the block [m], one or `(n,)`.
-        velocities: v_n and v_t [m/s] and Omega [rad/s], `(n,)` each.
-
-    Returns:
-        Shape `(3, n)`. Errors of impacts are the largest difference of the three.
-    """
-    unit = np.stack(np.broadcast_arrays(1.0, 1.0, np.atleast_1d(radius)))
+def _relative_velocities(impact: Impact, radius: float, velocities) -> np.ndarray:
+    """Give v_n, v_t and Omega R, `(3, n)`, of these v_n and v_t [m/s] and Omega [rad/s]
+    as fractions of the total speed before the impact, of a block's minor semi-axis R
+    [m]. Errors of impacts are the largest difference of the three."""
+    unit = np.array([[1.0], [1.0], [radius]])
     before = unit * np.stack(_velocities_before(impact))
-    return (
-        unit
-        * np.stack([*map(np.asarray, velocities)])
-        / np.sqrt(np.sum(before**2, axis=0))
-    )
+    velocities = np.stack([*map(np.asarray, velocities)])
+    return unit * velocities / np.sqrt(np.sum(before**2, axis=0))
 
 
 def _velocities_before(impact: Impact) -> list[np.ndarray]:
@@ -133,22 +111,26 @@ def measure_error(
     entry = look_up_many(table, sample)
     sample = jax.tree.map(np.asarray, sample)
     radius = float(table.block.semi_axes.minor)
-    before = relative_velocities(sample, radius, _velocities_before(sample))
-    model = relative_velocities(sample, radius, computed.response[:3])
-    looked_up = relative_velocities(sample, radius, entry[:3])
+    before, model, looked_up = (
+        _relative_velocities(sample, radius, velocities)
+        for velocities in (
+            _velocities_before(sample),
+            computed.response[:3],
+            entry[:3],
+        )
+    )
+    good = (computed.outcome != Outcome.failed) & np.all(np.isfinite(looked_up), axis=0)
+    before, model, looked_up = before[:, good], model[:, good], looked_up[:, good]
     # Twice the kinetic energy per mass.
-    inertia = float(table.block.shape.unit_inertia)
-    shares = np.array([1.0, 1.0, inertia])
+    shares = np.array([1.0, 1.0, float(table.block.shape.unit_inertia)])
 
     def energy(velocities):
         return float(np.mean(shares @ velocities**2 / (shares @ before**2)))
 
-    good = (computed.outcome != Outcome.failed) & np.all(np.isfinite(looked_up), axis=0)
-    model, looked_up = model[:, good], looked_up[:, good]
-    before = before[:, good]
     error = np.max(np.abs(looked_up - model), axis=0)
     median, of_90_percent, of_99_percent = np.quantile(error, [0.5, 0.9, 0.99]).tolist()
     normal, tangential, rotation = np.mean(looked_up - model, axis=1).tolist()
+    wrong = np.asarray(entry.outcome)[good] != computed.outcome[good]
     return TableError(
         median=median,
         of_90_percent=of_90_percent,
@@ -158,9 +140,7 @@ def measure_error(
         bias_rotation=rotation,
         energy=energy(looked_up),
         energy_of_model=energy(model),
-        wrong_outcomes=float(
-            np.mean(np.asarray(entry.outcome)[good] != computed.outcome[good])
-        ),
+        wrong_outcomes=float(np.mean(wrong)),
         impacts=int(np.sum(good)),
         failed=int(np.sum(~good)),
     )
@@ -309,13 +289,14 @@ def _check(block, soil, slopes, speeds, nodes) -> None:
         raise ValueError(
             f"speeds of a table must ascend from above 0, but got {speeds}"
         )
+    problem = None
     if slopes.ndim != 1 or not len(slopes) or not np.all(np.diff(slopes) > 0.0):
+        problem = "a list that ascends"
+    elif not np.all(np.abs(slopes) < 0.5 * np.pi):
+        problem = "in (-pi/2, pi/2)"
+    if problem:
         raise ValueError(
-            f"slopes of a table must be a list that ascends, but got {slopes.tolist()}"
-        )
-    if not np.all(np.abs(slopes) < 0.5 * np.pi):
-        raise ValueError(
-            f"slopes of a table must be in (-pi/2, pi/2), but got {slopes.tolist()}"
+            f"slopes of a table must be {problem}, but got {slopes.tolist()}"
         )
     for name, count in nodes._asdict().items():
         if count < (1 if name == "orientation" else 2):

@@ -82,14 +82,14 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     chosen, trajectory = select(all_of, passes), trajectory[passes]
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
     release = runs.release
-    found = shape_by_shape(
+    passed = shape_by_shape(
         partial(_passage, runs.profile.height(x)),
         select(release.outline, trajectory),
         select(release.mass_properties, trajectory),
         select(runs.pieces, chosen.piece),
         np.where(jumps, chosen.stop, time_at(runs, chosen, x)),
     )
-    return found._replace(trajectory=trajectory)
+    return passed._replace(trajectory=trajectory)
 
 
 @closed_form
@@ -100,12 +100,8 @@ def _passage(
     piece: Pieces,
     time: Values,
 ) -> Passages:
-    """Describe a passage; whose it is stays open.
-
-    Args:
-        ground: height of the ground there [m].
-        time: time of it from the start of the piece [s].
-    """
+    """Describe a passage at a time from the start of a piece [s], above the ground's
+    height there [m]; whose it is stays open."""
     mass, inertia = mass_properties
     body = state_after(piece, time)
     height = body.y - ground
@@ -185,28 +181,34 @@ def maxima_along(
 def _largest_of_parts(
     runs: Runs, edges: np.ndarray, whole: Stretches
 ) -> tuple[np.ndarray, np.ndarray, Maxima]:
-    """Compute the largest values on each part of a trajectory over one bin and segment.
+    """Compute the largest values on each part of a trajectory over one bin and segment:
+    its block, its bin, and the values, arrays `(parts,)`.
 
     The height of the centre above the ground is there a quadratic in time, and its
     largest value stands at an end or where its derivative vanishes; squared speeds are
     convex, and largest at an end. So these are exact, and no samples.
-
-    Returns:
-        For each part its block, its bin, and its largest values, arrays `(parts,)`.
     """
-    inner = runs.profile.x[(runs.profile.x > edges[0]) & (runs.profile.x < edges[-1])]
-    cells = np.union1d(edges, inner)
+    x, y = runs.profile.x, runs.profile.y
+    cells = np.union1d(edges, x[(x > edges[0]) & (x < edges[-1])])
     of, cell, at_low, at_high = _over_cells(whole, cells)
     part = select(whole, of)
-    begin, end = _ends_of_parts(runs, part, cells, cell, at_low, at_high)
+    back = part.sign < 0.0
+
+    def end(of_stretch, is_stop, border) -> np.ndarray:
+        """Find when parts are at the end of a stretch, or at the border of a cell."""
+        at_end = np.where(is_stop, part.stop, part.start)
+        return np.where(of_stretch, at_end, time_at(runs, part, cells[border]))
+
+    begin, stop = end(at_low, back, cell), end(at_high, ~back, cell + 1)
     middle = 0.5 * (cells[cell] + cells[cell + 1])
-    segment = np.clip(
-        np.searchsorted(runs.profile.x, middle) - 1, 0, runs.profile.segments - 1
-    )
-    gradient = (np.diff(runs.profile.y) / np.diff(runs.profile.x))[segment]
+    segment = np.clip(np.searchsorted(x, middle) - 1, 0, runs.profile.segments - 1)
+    gradient = (np.diff(y) / np.diff(x))[segment]
     p = select(runs.pieces, part.piece)
-    times = begin, end, _summit(p, gradient, begin, end)
-    bodies = [state_after(p, time) for time in times]
+    # When the height above the segment is stationary, or the nearest end.
+    rising, bending = p.v_y - gradient * p.v_x, p.a_y - gradient * p.a_x
+    summit = np.where(bending < 0.0, -rising / np.where(bending < 0.0, bending, 1.0), 0)
+    summit = np.clip(summit, np.minimum(begin, stop), np.maximum(begin, stop))
+    bodies = [state_after(p, time) for time in (begin, stop, summit)]
     trajectory = p.trajectory.astype(int)
     mass, inertia = select(runs.release.mass_properties, trajectory)
     heights = [body.y - runs.profile.height(body.x) for body in bodies]
@@ -225,12 +227,8 @@ def _largest_of_parts(
 
 
 def _over_cells(whole: Stretches, cells: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Divide stretches at the borders of cells.
-
-    Returns:
-        For each part its stretch and its cell, and whether it has the lower and the
-        upper end of the stretch.
-    """
+    """Divide stretches at the borders of cells: for each part its stretch and its cell,
+    and whether it has the lower and the upper end of the stretch."""
     low = np.minimum(whole.x_start, whole.x_stop)
     high = np.maximum(whole.x_start, whole.x_stop)
     last_cell = len(cells) - 2
@@ -240,30 +238,3 @@ def _over_cells(whole: Stretches, cells: np.ndarray) -> tuple[np.ndarray, ...]:
     of = np.repeat(np.arange(len(counts)), counts)
     cell = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts - first, counts)
     return of, cell, cell == first[of], cell == last[of]
-
-
-def _ends_of_parts(
-    runs: Runs,
-    part: Stretches,
-    cells: np.ndarray,
-    cell: np.ndarray,
-    at_low: np.ndarray,
-    at_high: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Find when parts are at the lower and the upper end of their cells [s]."""
-    back = part.sign < 0.0
-
-    def end(of_stretch, is_stop, border) -> np.ndarray:
-        own = np.where(is_stop, part.stop, part.start)
-        return np.where(of_stretch, own, time_at(runs, part, cells[border]))
-
-    return end(at_low, back, cell), end(at_high, ~back, cell + 1)
-
-
-def _summit(
-    p: Pieces, gradient: np.ndarray, begin: np.ndarray, end: np.ndarray
-) -> np.ndarray:
-    """Find when the height above the segment is stationary, or the nearest end [s]."""
-    rising, bending = p.v_y - gradient * p.v_x, p.a_y - gradient * p.a_x
-    summit = np.where(bending < 0.0, -rising / np.where(bending < 0.0, bending, 1.0), 0)
-    return np.clip(summit, np.minimum(begin, end), np.maximum(begin, end))

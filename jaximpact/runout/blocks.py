@@ -27,25 +27,19 @@ from .lane_programs import Values, closed_form
 class Body(NamedTuple):
     """Position and motion of blocks; arrays `(lanes,)`."""
 
-    x: Values
-    """Centre [m]."""
+    x: Values  # centre [m]
     y: Values
-    v_x: Values
-    """Velocity of the centre [m/s]."""
+    v_x: Values  # velocity of the centre [m/s]
     v_y: Values
-    orientation: Values
-    """Angle phi [rad]."""
-    angular_velocity: Values
-    """Omega [rad/s], clockwise positive."""
+    orientation: Values  # angle phi [rad]
+    angular_velocity: Values  # Omega [rad/s], clockwise positive
 
 
 class MassProperties(NamedTuple):
     """Mass and moment of inertia of blocks."""
 
-    mass: Values
-    """Mass [kg]."""
-    inertia: Values
-    """Moment of inertia about the out-of-plane axis through the centre [kg m2]."""
+    mass: Values  # mass [kg]
+    inertia: Values  # about the out-of-plane axis through the centre [kg m2]
 
 
 class BlockOutline(NamedTuple):
@@ -53,11 +47,8 @@ class BlockOutline(NamedTuple):
 
     shape: AbstractShape
     axes: SemiAxes
-    largest: Values
-    """Radius of the circumscribed circle [m]; for an ellipse the larger semi-axis."""
-    smallest: Values
-    """Height of the centre of a block lying on its flat side [m]: the smaller
-    semi-axis."""
+    largest: Values  # radius of the circumscribed circle [m]
+    smallest: Values  # height of the centre above the flat side [m]
 
     @property
     def heave(self) -> Values:
@@ -101,23 +92,20 @@ def fly(body: Body, time) -> Body:
     )
 
 
-class Support(NamedTuple):
-    """Extent of the block against a direction N."""
+def support(outline: BlockOutline, sin: Values, cos: Values) -> tuple[Values, Values]:
+    """Compute the extent of a block against a direction N, from sine and cosine of
+    Theta.
 
-    radius: Values
-    """r_y [m], distance from the centre to the lowest point, against N."""
-    arm: Values
-    """T = dr_y/dTheta [m], distance from the centre to the lowest point, along t."""
-
-
-def support(outline: BlockOutline, sin: Values, cos: Values) -> Support:
-    """Compute the extent of a block, from sine and cosine of Theta."""
+    Returns:
+        Distances from the centre to the lowest point [m]: r_y against N, and along t
+        the arm, T = dr_y/dTheta.
+    """
     shape, axes = outline.shape, outline.axes
-    return Support(shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos))
+    return shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)
 
 
 @closed_form
-def support_of(outline: BlockOutline, theta: Values) -> Support:
+def support_of(outline: BlockOutline, theta: Values) -> tuple[Values, Values]:
     """Compute `support` from the angle Theta itself, for arrays."""
     return support(outline, jnp.sin(theta), jnp.cos(theta))
 
@@ -178,8 +166,8 @@ class Release(ShownAsTable):
         angular_velocity: ArrayLike = 0.0,
     ):
         expect("a release's block", block, Block)
-        given = Body(x, y, v_x, v_y, orientation, angular_velocity)._asdict()
-        body = {n: real_numbers(f"a release's {n}", v) for n, v in given.items()}
+        motion = Body(x, y, v_x, v_y, orientation, angular_velocity)._asdict()
+        body = {n: real_numbers(f"a release's {n}", v) for n, v in motion.items()}
         shapes = [np.shape(leaf) for leaf in (*jax.tree.leaves(block), *body.values())]
         try:
             shape = np.broadcast_shapes(*shapes, (1,))

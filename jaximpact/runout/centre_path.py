@@ -36,24 +36,19 @@ class Elements(NamedTuple):
     right come to them; arrays of any shape."""
 
     is_segment: np.ndarray
-    x: np.ndarray
-    """The point, or the start of the segment [m]."""
+    x: np.ndarray  # the point, or the start of the segment [m]
     y: np.ndarray
-    end_x: np.ndarray
-    """x of the point, or of the end of the segment [m]."""
-    normal_x: np.ndarray
-    """Normal of the segment, out of the ground; of a point not used."""
+    end_x: np.ndarray  # x of the point, or of the end of the segment [m]
+    normal_x: np.ndarray  # of the segment, out of the ground; of a point unused
     normal_y: np.ndarray
-    length: np.ndarray
-    """Length of the segment [m]; 0 of a point."""
+    length: np.ndarray  # length of the segment [m]; 0 of a point
     behind: np.ndarray
     """Number of the profile's segment behind a point, or of the first of an element's
     segments."""
     ahead: np.ndarray
     """Number of the profile's segment ahead of a point, or of the last of an element's
     segments."""
-    shorter: np.ndarray
-    """Length of the shorter of the straight lines beside a point [m]."""
+    shorter: np.ndarray  # of the straight lines beside a point, its length [m]
     on_curve: np.ndarray
     """True of a point of a curve: both points beside it bend the same way, by at least
     half as much."""
@@ -67,45 +62,31 @@ class Ahead(NamedTuple):
     """Elements that blocks pass next, arrays `(blocks, elements)`, the first being the
     one that they touch; x is mirrored for blocks that move to the left."""
 
-    element: np.ndarray
-    """Places of the elements in `CentrePath.elements`."""
-    next_element: np.ndarray
-    """Places of those behind them."""
-    exists: np.ndarray
-    """True where there is one behind, as far as was looked."""
-    start_x: np.ndarray
-    """Centre of the block as it comes to touch the element [m]."""
+    element: np.ndarray  # places of the elements in `CentrePath.elements`
+    next_element: np.ndarray  # places of those behind them
+    exists: np.ndarray  # true where there is one behind, as far as was looked
+    start_x: np.ndarray  # centre of the block as it comes to touch the element [m]
     start_y: np.ndarray
-    stop_x: np.ndarray
-    """Centre as it comes to touch the next one [m]."""
+    stop_x: np.ndarray  # centre as it comes to touch the next one [m]
     stop_y: np.ndarray
-    start_normal_x: np.ndarray
-    """Normal of the path at the start, from the ground to the centre."""
+    start_normal_x: np.ndarray  # of the path, from the ground to the centre
     start_normal_y: np.ndarray
     stop_normal_x: np.ndarray
     stop_normal_y: np.ndarray
-    next_normal_x: np.ndarray
-    """Normal of the path behind that place, on the next element."""
+    next_normal_x: np.ndarray  # of the path behind that place, on the next element
     next_normal_y: np.ndarray
     is_segment: np.ndarray
-    is_whole: np.ndarray
-    """True for a segment and for the whole arc about a point; False for a part of an
-    arc."""
+    is_whole: np.ndarray  # false for a part of an arc about a point
 
 
 @dataclasses.dataclass(frozen=True)
 class CentrePath:
     """Paths of the centres of round blocks over a profile."""
 
-    elements: Elements
-    """Elements of the profile, and behind them those of its mirror image."""
-    reach: np.ndarray
-    """Largest radius of a circle that touches an element [m], as far as blocks need
-    it."""
-    points: np.ndarray
-    """x of the points at which the profile or its ground changes [m]."""
-    table: np.ndarray
-    """What programs read of the elements, `(elements, columns)`; see `_Column`."""
+    elements: Elements  # of the profile, and behind them of its mirror image
+    reach: np.ndarray  # largest radius of a circle that touches an element [m]
+    points: np.ndarray  # x of the points at which the profile or its ground changes [m]
+    table: np.ndarray  # what programs read of the elements; see `_Column`
 
     @classmethod
     def of(
@@ -113,10 +94,8 @@ class CentrePath:
     ) -> "CentrePath":
         """Find the paths over a profile for blocks up to a radius [m].
 
-        Args:
-            changes: true where the ground changes from a segment to the next,
-                `(segments - 1,)`; by default nowhere. Elsewhere segments on a straight
-                line are one element.
+        Segments on a straight line are one element, but where the ground changes from a
+        segment to the next, bool `(segments - 1,)`.
         """
         breaks = np.diff(straight_lines(profile.x, profile.y)) > 0
         if changes is not None:
@@ -154,16 +133,9 @@ class CentrePath:
     def locate(
         self, x: np.ndarray, radius: np.ndarray, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Find the elements that blocks touch with their centres at x.
-
-        Args:
-            x, radius: centres and radii [m], `(blocks,)`.
-            direction: 1 to the right, -1 to the left.
-
-        Returns:
-            Places of the elements, and heights of the centres [m]. Between two elements
-            it is the one ahead.
-        """
+        """Find the elements that blocks touch with their centres at x, and the heights
+        of the centres [m]. Between two elements it is the one ahead, in the direction
+        of 1 to the right or -1 to the left."""
         x = np.clip(x, self.points[0], self.points[-1])
         last = len(self.points) - 1
         first = np.searchsorted(self.points, x - radius) - 1
@@ -219,7 +191,6 @@ class CentrePath:
         Args:
             element: places of the elements that they touch, `(blocks,)`.
             x, y: centres [m], x in the mirror for those that move to the left.
-            radius: of the blocks [m].
             width: number of elements to look at, from 2; those that a block does not
                 reach count, too.
         """
@@ -236,8 +207,9 @@ class CentrePath:
             keep = max(2, int(np.max(np.count_nonzero(touched, axis=1))))
             there, touched = there[:, :keep], touched[:, :keep]
         one, two = there[:, :-1], there[:, 1:]
-        meeting = _meet(address_of(self.table), one, two, h)
-        stop_x, stop_y = meeting.x, meeting.y
+        (stop_x, stop_y), stop_normal, next_normal = _meet(
+            address_of(self.table), one, two, h
+        )
         # A block that stands at the end of its element is not set back.
         past = stop_x[:, 0] < x
         stop_x[:, 0] = np.where(past, x, stop_x[:, 0])
@@ -255,12 +227,12 @@ class CentrePath:
             start_y=behind(y, stop_y),
             stop_x=stop_x,
             stop_y=stop_y,
-            start_normal_x=behind(first_x, meeting.next_normal_x),
-            start_normal_y=behind(first_y, meeting.next_normal_y),
-            stop_normal_x=meeting.normal_x,
-            stop_normal_y=meeting.normal_y,
-            next_normal_x=meeting.next_normal_x,
-            next_normal_y=meeting.next_normal_y,
+            start_normal_x=behind(first_x, next_normal[0]),
+            start_normal_y=behind(first_y, next_normal[1]),
+            stop_normal_x=stop_normal[0],
+            stop_normal_y=stop_normal[1],
+            next_normal_x=next_normal[0],
+            next_normal_y=next_normal[1],
             is_segment=self.elements.is_segment[one],
             is_whole=np.ones(one.shape, bool),
         )
@@ -373,20 +345,6 @@ def _curves(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return shorter, on_curve
 
 
-class _Meeting(NamedTuple):
-    """Circle that touches an element and a later one."""
-
-    x: Values
-    """Centre [m]."""
-    y: Values
-    normal_x: Values
-    """Normal of the path there, on the first of them."""
-    normal_y: Values
-    next_normal_x: Values
-    """Normal of the path there, on the second."""
-    next_normal_y: Values
-
-
 class _Column(NamedTuple):
     """Element, as a row of `CentrePath.table` says."""
 
@@ -413,8 +371,9 @@ def _normal(table: Values, element: Values, x: Values, y: Values, h: Values):
 
 
 @closed_form
-def _meet(table: Values, first: Values, second: Values, h: Values) -> _Meeting:
-    """Compute the circle that touches an element and a later one."""
+def _meet(table: Values, first: Values, second: Values, h: Values):
+    """Compute the circle that touches an element and a later one: its centre, and the
+    normals of the path there, on the first and on the second of them."""
     one, two = (
         _Column(*entries(table, row, len(_Column._fields))) for row in (first, second)
     )
@@ -451,4 +410,4 @@ def _meet(table: Values, first: Values, second: Values, h: Values) -> _Meeting:
     on_segment = one.is_segment > 0.0
     x = one.x + jnp.where(on_segment, foot * one.normal_y + h * one.normal_x, from_x)
     y = one.y + jnp.where(on_segment, h * one.normal_y - foot * one.normal_x, from_y)
-    return _Meeting(x, y, *one.normal_at(x, y, h), *two.normal_at(x, y, h))
+    return (x, y), one.normal_at(x, y, h), two.normal_at(x, y, h)

@@ -6,6 +6,7 @@ steeper than those on Earth is warned of, since nothing else can tell its unit.
 """
 
 import warnings
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -17,8 +18,8 @@ LARGEST = 1e8
 """Largest coordinate [m]. Those of national grids, with the number of the zone before
 the easting too, are smaller; float64 resolves 1.5e-8 m there."""
 NARROWEST = 1e-12
-"""Distance in x [m] up to which points are above one another: a wall of that width is
-so steep that its slope leaves the floating-point numbers."""
+"""Distance in x [m] up to which points are above one another: the slope of such a wall
+leaves the floating-point numbers."""
 RESOLVED = 1e-6
 """Coarsest resolution of coordinates, as a fraction of a block's smallest semi-axis: a
 block starts to be in the ground at as much."""
@@ -28,11 +29,8 @@ MARKS = (
     *(32767.0, 65535.0, 2147483647.0, 4294967295.0),
 )
 """Numbers that maps hold where nothing is known."""
-FAR = 1000.0
-"""Distance from all other heights [m] beyond which such a number is no height."""
-SHORT_MARK, SHORT_FAR, SHORT_AMONG = -999.0, 500.0, 3
-"""A mark that may be a height in a local system; its distance from
-all other heights [m], of at least so many, beyond which it is none."""
+SHORT_MARK = -999.0
+"""A mark that may be a height in a local system."""
 
 LONGEST = 5000.0
 """Length of a profile [m]: falling blocks run less than 3 km, and only rock avalanches,
@@ -42,52 +40,44 @@ HIGHEST = 2500.0
 2400."""
 SMALLEST = 5.0
 """Length and height of a profile [m]: a test pit is larger."""
-STEEPEST = 20.0
-"""Height over length of a profile: the walls of El Capitan and Mount Thor have less
-than 6."""
 HIGHEST_CLIFF = 1300.0
-"""Height of ground steeper than `CLIFF` [m]: the wall of Mount Thor, the highest, has
-1250."""
-CLIFF = 5.0
-"""Slope, height over length, from which ground is a cliff: 79 degrees."""
+"""Height of a cliff [m]: the wall of Mount Thor, the highest, has 1250."""
 SUMMIT = 9000.0
 """Elevation [m] above all mountains."""
 FASTEST = 100.0
 """Speed of a block [m/s] that only falls from walls of 500 m and more have, as that of
 the Happy Isles in 1996."""
-UNITS = {"feet": 0.3048, "millimetres": 1e-3}
-"""Units that are mistaken for metres, with their sizes in metres."""
 
 
 def problem_with(values: np.ndarray, name: str) -> tuple[int, str] | None:
-    """Find the first value that is no coordinate.
-
-    Args:
-        values: coordinates of a profile's points [m], `(points,)`.
-        name: "x" or "y".
+    """Find the first value that is no coordinate, of x or y of a profile's points [m].
 
     Returns:
         Its index, and what is wrong with it; None where all are coordinates.
     """
-    cure = "leave out the points without data"
-    bad = ~np.isfinite(values)
-    if np.any(bad):
-        i = int(np.argmax(bad))
-        return i, f"must be finite, but is {values[i]}; {cure}"
-    bad = np.abs(values) > LARGEST
-    if np.any(bad):
-        i = int(np.argmax(bad))
-        return i, (
-            f"must be within {LARGEST:g} m of 0, but is {values[i]:g}; {cure}, and "
-            "count from an origin near the slope"
-        )
-    bad = _no_data(values, name)
-    if np.any(bad):
-        i = int(np.argmax(bad))
-        others = values[~_is_code(values)]
-        among = f" among {range_of(others)} m" if len(others) else ""
-        return i, f"is {values[i]:.10g}{among}, a mark for no data; {cure}"
+    for bad, problem in _problems(values, name):
+        if np.any(bad):
+            i = int(np.argmax(bad))
+            return i, problem.format(values[i])
     return None
+
+
+def _problems(values: np.ndarray, name: str) -> Iterator[tuple[np.ndarray, str]]:
+    """Yield where values have a problem, and its words: each for values that have none
+    of those before."""
+    cure = "leave out the points without data"
+    yield ~np.isfinite(values), f"must be finite, but is {{}}; {cure}"
+    yield (
+        np.abs(values) > LARGEST,
+        f"must be within {LARGEST:g} m of 0, but is {{:g}}; {cure}, and count from an "
+        "origin near the slope",
+    )
+    others = values[~_is_code(values)]
+    among = f" among {range_of(others)} m" if len(others) else ""
+    yield (
+        _no_data(values, name),
+        f"is {{:.10g}}{among}, a mark for no data; {cure}",
+    )
 
 
 def _no_data(values: np.ndarray, name: str) -> np.ndarray:
@@ -100,9 +90,10 @@ def _no_data(values: np.ndarray, name: str) -> np.ndarray:
     outside = np.maximum(np.min(others) - values, values - np.max(others))
     # The far end of a long plain may well lie at x = 9999 m.
     codes &= (values < 0.0) | (name == "y")
+    # What may be a height takes three others, and to be far from them.
     short = values == SHORT_MARK
-    codes &= ~short | (len(others) >= SHORT_AMONG)
-    return codes & (outside > np.where(short, SHORT_FAR, FAR))
+    codes &= ~short | (len(others) >= 3)
+    return codes & (outside > np.where(short, 500.0, 1000.0))
 
 
 def _is_code(values: np.ndarray) -> np.ndarray:
@@ -122,16 +113,17 @@ def warn_of_unusual(x: np.ndarray, y: np.ndarray) -> None:
 def _unusual(x: np.ndarray, y: np.ndarray) -> str | None:
     """Say what is unusual of a profile, to follow the words "a profile"."""
     length, height = float(x[-1] - x[0]), float(np.ptp(y))
-    small = f"is {length:.4g} m long"
+    size = f"is {length:.4g} m long and {height:.4g} m high"
     if length < SMALLEST and height < SMALLEST:
         far = abs(x[0]) > length
         unit = "degrees of longitude and latitude" if far else "kilometres"
-        return f"{small} and {height:.4g} m high, smaller than any slope; {unit}?"
-    if height > STEEPEST * length:
+        return f"{size}, smaller than any slope; {unit}?"
+    # The walls of El Capitan and Mount Thor are less than 6 times as high as long.
+    if height > 20.0 * length:
         unit = "y in millimetres" if height > HIGHEST else "x in degrees or kilometres"
-        return f"{small} and {height:.4g} m high, steeper than any slope; is {unit}?"
+        return f"{size}, steeper than any slope; is {unit}?"
     run, fall = np.diff(x), np.abs(np.diff(y))
-    cliff = (fall > HIGHEST_CLIFF) & (fall > CLIFF * run)
+    cliff = (fall > HIGHEST_CLIFF) & (fall > 5.0 * run)  # steeper than 79 degrees
     if np.any(cliff):
         i = int(np.argmax(cliff))
         return (
@@ -142,8 +134,8 @@ def _unusual(x: np.ndarray, y: np.ndarray) -> str | None:
     # A plane without heights is a test of something else than its length.
     if height > 0.0 and (length > LONGEST or height > HIGHEST):
         return (
-            f"{small} and {height:.4g} m high, while usual are up to {LONGEST:g} and "
-            f"{HIGHEST:g} m; {_other_unit(length, height)}"
+            f"{size}, while usual are up to {LONGEST:g} and {HIGHEST:g} m; "
+            f"{_other_unit(length, height)}"
         )
     top = float(y[np.argmax(np.abs(y))])
     # Northings are above, or below 0 as in S-JTSK.
@@ -158,7 +150,7 @@ def _unusual(x: np.ndarray, y: np.ndarray) -> str | None:
 
 def _other_unit(length: float, height: float, top: float = 0.0) -> str:
     """Name the unit in which a profile that is too large is a usual one."""
-    for unit, size in UNITS.items():
+    for unit, size in (("feet", 0.3048), ("millimetres", 1e-3)):
         longest = size * length <= LONGEST and size * height <= HIGHEST
         small = size * length < SMALLEST and size * height < SMALLEST
         if longest and not small and size * top <= SUMMIT:

@@ -18,26 +18,20 @@ import numpy as np
 from ..backend.simd.tables import entries
 from .lane_programs import Values
 
-FAN = 4
-"""Number of nodes under a cover."""
-END = 0
-"""Row of the table at which a search ends."""
-ROOT = 1
-"""Row of the cover over the whole profile."""
+FAN = 4  # nodes under a cover
+END = 0  # row of the table at which a search ends
+ROOT = 1  # row of the cover over the whole profile
 
 
 class Cover(NamedTuple):
     """Node of the tree: a segment, or a cover of some; of many, arrays `(nodes,)`."""
 
-    left_x: Values
-    """Ends of the line [m]."""
+    left_x: Values  # ends of the line [m]
     left_y: Values
     right_x: Values
     right_y: Values
-    segment: Values
-    """Number of the segment; -1 for a cover."""
-    child_to_right: Values
-    """Row of the first child, for a search to the right."""
+    segment: Values  # number of the segment; -1 for a cover
+    child_to_right: Values  # row of the first child, for a search to the right
     child_to_left: Values
     next_to_right: Values
     """Row of the node after this one and all below it, for a search to the right."""
@@ -45,11 +39,8 @@ class Cover(NamedTuple):
 
 
 def cover_table(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Build the tree over the points of a profile [m].
-
-    Returns:
-        Nodes, level by level from the top, `(nodes, fields of Cover)`; the first row
-        stands for the end of a search.
+    """Build the tree over the points of a profile [m]: its nodes, level by level from
+    the top, `(nodes, fields of Cover)`. The first row stands for the end of a search.
     """
     span = 1
     lines = [_lines(x, y, span)]
@@ -87,17 +78,13 @@ def _lines(x: np.ndarray, y: np.ndarray, span: int) -> np.ndarray:
     last = len(x) - 1
     start = np.arange(0, last, span)
     end = np.minimum(start + span, last)
-    own = np.repeat(np.arange(len(start)), end - start)
+    line = np.repeat(np.arange(len(start)), end - start)
     slope = (y[end] - y[start]) / (x[end] - x[start])
-    over = y[:-1] - y[start][own] - slope[own] * (x[:-1] - x[start][own])
+    over = y[:-1] - y[start][line] - slope[line] * (x[:-1] - x[start][line])
     lift = np.maximum.reduceat(over, start)
     return np.stack([x[start], y[start] + lift, x[end], y[end] + lift])
 
 
 def node(table: Values, row: Values) -> Cover:
-    """Read a node inside a program.
-
-    Args:
-        table: address of the table.
-    """
+    """Read a node of the table at an address, inside a program."""
     return Cover(*entries(table, row, len(Cover._fields)))

@@ -21,16 +21,10 @@ SILENT = (
     *("XLINE", "RAY", "VIEWPORT", "ACAD_TABLE", "LIGHT", "SUN", "SECTION"),
 )
 """Entities that no ground is drawn with: writing, measures, fillings, pictures."""
-SAGITTA, FINEST = 0.01, 1e-6
-"""Largest distance of the chords from an arc [m], which ezdxf takes for cubic curves
-within 3e-4 of its radius, and its least as a fraction of the arc's size, so that no arc
-has more than some thousand chords."""
-METRES = 6
-"""$INSUNITS of metres; 0 stands for no unit."""
 SURVEY_FOOT = 1200.0 / 3937.0
-DXF_UNITS = {
+UNITS = {
     **{1: ("inches", 0.0254), 2: ("feet", 0.3048), 3: ("miles", 1609.344)},
-    **{4: ("millimetres", 1e-3), 5: ("centimetres", 1e-2), METRES: ("metres", 1.0)},
+    **{4: ("millimetres", 1e-3), 5: ("centimetres", 1e-2), 6: ("metres", 1.0)},
     **{7: ("kilometres", 1e3), 10: ("yards", 0.9144), 14: ("decimetres", 0.1)},
     **{15: ("decametres", 10.0), 16: ("hectometres", 100.0)},
     **{21: ("US survey feet", SURVEY_FOOT), 22: ("US survey inches", SURVEY_FOOT / 12)},
@@ -38,46 +32,33 @@ DXF_UNITS = {
     24: ("US survey miles", 5280 * SURVEY_FOOT),
 }
 """Units of lengths on the ground by their $INSUNITS: names and sizes [m]."""
-MEETING = 8
-"""Number of ends at one place that are looked at; where a profile goes on, two meet."""
 GAP = 0.002
 """Largest distance between ends of lines that are joined [m]: coordinates rounded to a
 millimetre are as much apart."""
-ROUNDING = 1e-6
-"""Distance between ends of lines up to which nobody needs to know of it [m]."""
-
-
-CONTROL = 16
-"""Flag of a vertex of a POLYLINE that is fitted by a spline: it is a control point."""
 
 
 class Line(NamedTuple):
     """Line of a drawing."""
 
-    points: np.ndarray
-    """x and y [m], `(points, 2)`."""
+    points: np.ndarray  # x and y [m], `(points, 2)`
     layer: str
-    block: str
-    """Name of the block that it is drawn in, "" for none."""
+    block: str  # name of the block that it is drawn in, "" for none
 
 
 def read_dxf_points(
     path: Path, layer: str | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Read the points of a profile from a DXF drawing.
+    """Read the points of a profile from a DXF drawing of any version.
 
     A profile is a polyline (LWPOLYLINE, POLYLINE) or several lines (LINE, ARC, ELLIPSE,
     SPLINE, or polylines again) that join end to end, in either direction, also within
     blocks; arcs are cut to chords. Where the line is closed, as around a section that
     is drawn as an area, the profile is its upper part. The drawing's unit ($INSUNITS)
-    is converted to metres; a drawing without a unit is in metres.
+    is converted to metres; a drawing without a unit is in metres. The layer is needed
+    if lines on several do not join.
 
     Warns of a converted unit, of a closed line, of gaps that are closed, and of
     entities that are not read.
-
-    Args:
-        path: the file, DXF of any version.
-        layer: layer of the profile; needed if lines on several do not join.
 
     Returns:
         x and y of the points [m], `(points,)` each, from left to right.
@@ -99,22 +80,15 @@ def read_dxf_points(
 
 
 def _read_lines(path: Path, layer: str | None) -> list[Line]:
-    """Read the lines of the model space, in the order of the file.
-
-    Args:
-        layer: the only one that is read; None: all.
-    """
+    """Read the lines of the model space, or of one layer, in the order of the file."""
     read_input(path, once=False)
     try:
         from ezdxf.filemanagement import (  # pyright: ignore[reportMissingImports]
             readfile,
         )
-        from ezdxf.path import make_path  # pyright: ignore[reportMissingImports]
     except ImportError:
-        raise InputError(
-            "needs the package ezdxf to be read: pip install ezdxf",
-            file=path,
-        ) from None
+        problem = "needs the package ezdxf to be read: pip install ezdxf"
+        raise InputError(problem, file=path) from None
     lines: list[Line] = []
     layers: set[str] = set()
     passed_over: collections.Counter[str] = collections.Counter()
@@ -122,14 +96,14 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
         warnings.simplefilter("ignore")
         try:
             drawing = readfile(path)
-            number = drawing.header.get("$INSUNITS", 0) or METRES
-            if number not in DXF_UNITS:
+            number = drawing.header.get("$INSUNITS", 0) or 6  # without a unit: metres
+            if number not in UNITS:
                 raise InputError(
                     f"has $INSUNITS {number}, which is no unit of slopes; set its "
                     "units to metres",
                     file=path,
                 )
-            unit, metre = DXF_UNITS[number]
+            unit, metre = UNITS[number]
             for entity, on, block in _entities(drawing.modelspace()):
                 kind = _kind(entity)
                 if kind in KINDS:
@@ -138,9 +112,7 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
                 if layer is not None and layer.casefold() != on.casefold():
                     continue
                 if kind in KINDS:
-                    if kind == "POLYLINE":
-                        _drop_frame(entity)
-                    points = _chords(path, make_path(entity), metre)
+                    points = _chords(path, entity, metre)
                     if len(points) and np.any(points != points[0]):
                         lines.append(Line(_flat(path, on, points), on, block))
                 elif kind not in SILENT:
@@ -148,22 +120,19 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
         except InputError:
             raise
         except Exception as error:  # of many kinds, for damaged files
-            told = str(error) or type(error).__name__
+            reason = str(error) or type(error).__name__
             raise InputError(
-                f"is no DXF drawing that can be read: {told}", file=path
+                f"is no DXF drawing that can be read: {reason}", file=path
             ) from None
-    told = ", ".join(f"{count} {kind}" for kind, count in passed_over.items())
+    others = ", ".join(f"{count} {kind}" for kind, count in passed_over.items())
     if not lines and layers and layer is not None:
-        raise InputError(
-            f"has no line on a layer {layer!r}; did you mean "
-            f"{nearest(layer, layers)!r}?",
-            file=path,
-        )
+        hint = f"did you mean {nearest(layer, layers)!r}?"
+        raise InputError(f"has no line on a layer {layer!r}; {hint}", file=path)
     if not lines:
-        besides = f"; it has {told}, which must be exploded into lines" if told else ""
+        besides = f"; it has {others}, which must be exploded into lines"
         raise InputError(
             f"has no {', '.join(KINDS[:-1])} or {KINDS[-1]} in its model space, which "
-            f"a profile is read from{besides}",
+            f"a profile is read from{besides if others else ''}",
             file=path,
         )
     if metre != 1.0:
@@ -172,11 +141,11 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
             f"is in {unit} by its $INSUNITS: coordinates are taken times {metre:g} as "
             "metres; if they are metres already, set its units to metres",
         )
-    if told:
+    if others:
         _warn(
             path,
-            f"holds {told}, which no profile is read from; explode what is ground into "
-            "lines",
+            f"holds {others}, which no profile is read from; explode what is ground "
+            "into lines",
         )
     return lines
 
@@ -187,10 +156,8 @@ def _entities(
     """List entities, those of blocks at the places where they are inserted, with their
     layers and the name of the outermost block.
 
-    Args:
-        entities: of the model space, or of an inserted block.
-        inherited: layer of what a block has on layer 0, which is its insertion's.
-        blocks: names of the blocks that the entities are in, the outermost first.
+    What a block has on layer 0 inherits the layer of its insertion; `blocks` are those
+    that the entities are in, the outermost first.
     """
     for entity in entities:
         layer = entity.dxf.get("layer", "0")
@@ -227,24 +194,21 @@ def _kind(entity) -> str:
     return kind
 
 
-def _drop_frame(polyline) -> None:
-    """Leave out the points that only control a polyline's curve, and lie beside it."""
-    vertices = polyline.vertices
-    vertices[:] = [v for v in vertices if not v.dxf.flags & CONTROL]
-
-
 def _warn(path: Path, text: str) -> None:
     text = f"{path}: {text}"
     warnings.warn(UnusualValueWarning(text, text), stacklevel=1)
 
 
-def _chords(path: Path, curve, metre: float) -> np.ndarray:
-    """Cut a curve to chords, points `(points, 3)` [m].
+def _chords(path: Path, entity, metre: float) -> np.ndarray:
+    """Cut an entity to chords, points `(points, 3)` [m]; metre is the drawing's unit in
+    metres."""
+    from ezdxf.path import make_path  # pyright: ignore[reportMissingImports]
 
-    Args:
-        curve: path of ezdxf.
-        metre: the drawing's unit [m].
-    """
+    if entity.dxftype() == "POLYLINE":
+        # Points that only control the curve, by flag 16, lie beside it.
+        vertices = entity.vertices
+        vertices[:] = [v for v in vertices if not v.dxf.flags & 16]
+    curve = make_path(entity)
     # A bulge without bound makes an arc of any size, and without end of chords.
     corners = metre * np.array([tuple(v) for v in curve.control_vertices()], float)
     if not np.all(np.abs(corners) <= LARGEST):
@@ -255,7 +219,9 @@ def _chords(path: Path, curve, metre: float) -> np.ndarray:
             file=path,
         )
     size = np.max(np.ptp(corners, axis=0), initial=0.0) if len(corners) else 0.0
-    vertices = curve.flattening(max(SAGITTA, FINEST * size) / metre)
+    # Within a centimetre of the arc, which ezdxf takes for cubic curves within 3e-4 of
+    # its radius; of large arcs no more than some thousand chords.
+    vertices = curve.flattening(max(0.01, 1e-6 * size) / metre)
     return metre * np.array([tuple(v) for v in vertices], float)
 
 
@@ -280,39 +246,31 @@ def _chains(lines: list[Line]) -> list[list[int]]:
     """
     ends = _ends(lines)
     within = np.nextafter(GAP, np.inf)
-    apart, near = KDTree(ends).query(
-        ends, MEETING, p=np.inf, distance_upper_bound=within
-    )
+    # Where a profile goes on two ends meet; of more, eight are enough to tell.
+    apart, near = KDTree(ends).query(ends, 8, p=np.inf, distance_upper_bound=within)
     # The nearest first, then in the order of the file; `len(ends)` stands for none.
     order = np.lexsort((near, apart), axis=1)
-    touching = np.take_along_axis(near, order, axis=1)
+    touching = np.take_along_axis(near, order, axis=1).tolist()
     waiting = dict.fromkeys(range(len(lines)))
+
+    def follow(end: int) -> list[int]:
+        """Take from the lines that wait those that follow an end, one after another."""
+        chain = []
+        while True:
+            other = next((e for e in touching[end] if e // 2 in waiting), None)
+            if other is None:
+                return chain
+            del waiting[other // 2]
+            chain.append(other)
+            end = other ^ 1
+
     chains = []
     while waiting:
         first = next(iter(waiting))
         del waiting[first]
-        after, before = (
-            _followed(touching, 2 * first + last, waiting) for last in (1, 0)
-        )
+        after, before = follow(2 * first + 1), follow(2 * first)
         chains.append([*(end ^ 1 for end in reversed(before)), 2 * first, *after])
     return chains
-
-
-def _followed(touching: np.ndarray, end: int, waiting: dict) -> list[int]:
-    """Take from the lines that wait those that follow an end, one after the other.
-
-    Args:
-        touching: ends that touch each end, `(ends, MEETING)`.
-        waiting: indices of the lines, of which those taken are removed.
-    """
-    found = []
-    while True:
-        other = next((e for e in touching[end].tolist() if e // 2 in waiting), None)
-        if other is None:
-            return found
-        del waiting[other // 2]
-        found.append(other)
-        end = other ^ 1
 
 
 def _ends(lines: list[Line]) -> np.ndarray:
@@ -332,20 +290,20 @@ def _joined(path: Path, lines: list[Line], chain: list[int]) -> np.ndarray:
     pieces = [lines[end // 2].points[:: -1 if end % 2 else 1] for end in chain]
     joints = zip(pieces, [*pieces[1:], pieces[0]], strict=True)
     apart = [_distance(before[-1], after[0]) for before, after in joints]
-    # A line that is not closed ends far from its begin.
-    gaps = [gap if ROUNDING < gap <= GAP else 0.0 for gap in apart]
+    # Less is rounding; and a line that is not closed ends far from its begin.
+    gaps = [gap if 1e-6 < gap <= GAP else 0.0 for gap in apart]
     if any(gaps):
         largest = int(np.argmax(gaps))
         _warn(
             path,
             f"has gaps between ends of lines, which are closed: "
             f"{np.count_nonzero(gaps)}, the largest {1e3 * gaps[largest]:.2g} mm at "
-            f"{_told(pieces[largest][-1])}",
+            f"{_in_words(pieces[largest][-1])}",
         )
     return np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
 
 
-def _told(point: np.ndarray) -> str:
+def _in_words(point: np.ndarray) -> str:
     return f"({point[0]:.10g}, {point[1]:.10g}) m"
 
 
@@ -353,53 +311,44 @@ def _not_joined(lines: list[Line], chains: list[list[int]]) -> str:
     """Say what lines do not join, and where they come nearest to each other."""
     counts = collections.Counter(line.layer for line in lines)
     blocks = sorted({line.block for line in lines} - {""})
-    told = f", some of them in the blocks {', '.join(blocks)}" if blocks else ""
+    inside = f", some of them in the blocks {', '.join(blocks)}" if blocks else ""
     gap, one, other = _nearest_ends(_ends(lines), chains)
-    where = f"the nearest ends are {gap:.3g} m apart, at {_told(one)} and "
-    where += f"{_told(other)}; gaps of up to {1e3 * GAP:g} mm are closed"
+    where = f"the nearest ends are {gap:.3g} m apart, at {_in_words(one)} and "
+    where += f"{_in_words(other)}; gaps of up to {1e3 * GAP:g} mm are closed"
     if gap <= GAP:
-        where = f"more than two ends meet at {_told(one)}"
+        where = f"more than two ends meet at {_in_words(one)}"
     if len(counts) > 1:
-        told = ", ".join(f"{name!r}: {n}" for name, n in counts.items()) + told
+        layers = ", ".join(f"{name!r}: {n}" for name, n in counts.items())
         return (
-            f"has lines that do not join on {len(counts)} layers ({told}); layer must "
-            f"say which is the profile, or if it is all of them: {where}"
+            f"has lines that do not join on {len(counts)} layers ({layers}{inside}); "
+            f"layer must say which is the profile, or if it is all of them: {where}"
         )
     return (
         f"has {len(chains)} lines on the layer {lines[0].layer!r} that do not "
-        f"join{told}: {where}; a profile is one line"
+        f"join{inside}: {where}; a profile is one line"
     )
 
 
 def _nearest_ends(
     points: np.ndarray, chains: list[list[int]]
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Find the end of a chain that comes nearest to an end of another chain's lines.
-
-    Args:
-        points: ends of all lines, `(ends, 2)`.
-
-    Returns:
-        Distance and places of the two ends.
-    """
-    found = []
+    """Find distance and places of the end of a chain, and the end of another chain's
+    line, that come nearest to each other, given the ends of all lines, `(ends, 2)`."""
+    nearest = []
     for chain in chains:
         lines = np.array(chain) // 2
         for end in (chain[0], chain[-1] ^ 1):
             apart = np.max(np.abs(points - points[end]), axis=1)
             apart[[*(2 * lines), *(2 * lines + 1)]] = np.inf
             other = int(np.argmin(apart))
-            found.append((float(apart[other]), end, other))
-    gap, one, other = min(found)
+            nearest.append((float(apart[other]), end, other))
+    gap, one, other = min(nearest)
     return gap, points[one], points[other]
 
 
 def _upper_part(ring: np.ndarray) -> np.ndarray:
-    """Take the upper part of a closed line, from its left side to its right one.
-
-    Args:
-        ring: points `(points, 2)`, the last at the place of the first.
-    """
+    """Take the upper part of a closed line, whose last point is its first, from its
+    left side to its right one."""
     x, y = (ring[:-1] - ring[0]).T
     area = np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
     if area > 0.0:  # counterclockwise, so that its upper part goes to the left

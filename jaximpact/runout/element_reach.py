@@ -32,21 +32,11 @@ import math
 
 import numpy as np
 
-STEPS = 100
-"""Most steps of a search for a radius; some ten are usual."""
-
 
 def reaches(x: np.ndarray, y: np.ndarray, largest: float) -> np.ndarray:
-    """Compute the reach of each element of a polyline [m].
-
-    Args:
-        x, y: points [m], `(points,)`; x increases.
-        largest: radius up to which reaches are told apart [m]; beyond it they are inf.
-
-    Returns:
-        Array `(2 points - 1,)`: point, segment, point and so on; 0 for a point in a
-        concave break, which no circle touches.
-    """
+    """Compute the reach of each element of a polyline [m]: point, segment, point and so
+    on, `(2 points - 1,)`; 0 for a point in a concave break, which no circle touches,
+    and inf beyond the largest radius that is of interest [m]."""
     ground = _Elements(x, y)
     count = 2 * len(x) - 1
     reach = np.full(count, np.inf)
@@ -110,7 +100,7 @@ class _Elements:
         if at_low <= 0.0:
             return low
         side = 0
-        for _ in range(STEPS):
+        for _ in range(100):  # some ten are usual
             if high - low <= 1e-14 * high:
                 break
             middle = (low * at_high - high * at_low) / (at_high - at_low)

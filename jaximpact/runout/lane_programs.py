@@ -37,10 +37,6 @@ else:
 """Numbers of many blocks, `(lanes,)`: NumPy arrays between programs, JAX scalars inside
 them."""
 
-LANES_PER_THREAD = 512
-"""Lanes of a program of many steps that are worth a thread."""
-LANES_PER_THREAD_OF_ONE_STEP = 16_384
-"""Lanes of a program of one step that are worth a thread."""
 LANES_OF_XLA = 512
 """Lanes that XLA takes at once, always so many."""
 
@@ -71,7 +67,8 @@ class LaneProgram:
                 self._kernels[structure] = self._kernel(inputs)
         kernel = self._kernels[structure]
         shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
-        rows = _run(kernel, leaves, shape, LANES_PER_THREAD)
+        # So many lanes of many steps are worth a thread.
+        rows = _run(kernel, leaves, shape, lanes_per_thread=512)
         return jax.tree.unflatten(kernel.structure, rows)
 
     def _kernel(self, inputs) -> "KernelSet | _ByXla":
@@ -80,7 +77,7 @@ class LaneProgram:
 
         def compiled() -> tuple[Code, Any]:
             kernel = compile_kernel(
-                *(lambda given: begin(*given), step, lambda _, state: finish(state)),
+                *(lambda leaves: begin(*leaves), step, lambda _, state: finish(state)),
                 jax.tree.map(lambda _: one, inputs),
             )
             return kernel.code, _template(kernel.structure)
@@ -94,11 +91,8 @@ class LaneProgram:
 
 
 def _kept(functions: Sequence[Callable], tree, compiled: Callable) -> Any:
-    """Keep what is compiled of functions for inputs, a tree.
-
-    Only of functions that the package defines under a name of their own. Raises
-    NoMachineCode as `compiled` does.
-    """
+    """Keep what is compiled of functions for inputs, a tree, if the package defines
+    them under a name of their own."""
     names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
     with collector_paused():
         if all(n.startswith(f"{PACKAGE}.") and "<" not in n for n in names):
@@ -152,20 +146,17 @@ class _ByXla:
             mode = "edge" if lanes else "constant"
             padded = np.pad(part, ((0, 0), (0, missing)), mode)
             with tracing():
-                found = jax.tree.leaves(self._run(padded))
-            parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in found])
+                leaves = jax.tree.leaves(self._run(padded))
+            parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in leaves])
         return [np.concatenate(x) for x in zip(*parts, strict=True)]
 
 
 class _Plan(NamedTuple):
     """Part of a function that has to be computed, for inputs of one structure."""
 
-    used: list[int]
-    """Places of the inputs that matter among the leaves."""
-    passed: list[int | None]
-    """Place, for each result, of the input that it is, or None."""
-    results: Any
-    """Template of the results."""
+    used: list[int]  # places of the inputs that matter among the leaves
+    passed: list[int | None]  # place, for each result, of the input that it is, or None
+    results: Any  # template of the results
     code: Code | None = None
     """Computes the results that are not inputs, from the inputs that matter; None where
     there are none, or no machine code."""
@@ -195,8 +186,8 @@ class ClosedProgram:
         computed = iter(())
         if kernel is not None:
             used = [leaves[place] for place in plan.used]
-            own = np.broadcast_shapes((1,), *map(np.shape, used))
-            computed = iter(_run(kernel, used, own, LANES_PER_THREAD_OF_ONE_STEP))
+            needed = np.broadcast_shapes((1,), *map(np.shape, used))
+            computed = iter(_run(kernel, used, needed, lanes_per_thread=16_384))
         results = [
             np.asarray(next(computed) if place is None else leaves[place], float)
             for place in plan.passed
@@ -215,9 +206,9 @@ class ClosedProgram:
             of_lanes, ended = jax.vmap(reduced), np.zeros(1, bool)
             # All is done as a lane ends, so that nothing is kept of it before.
             functions = without_copies(
-                lambda given: (),
+                lambda inputs: (),
                 lambda state: (state, ended),
-                lambda given, _: of_lanes(*given),
+                lambda inputs, _: of_lanes(*inputs),
             )
             one = jax.ShapeDtypeStruct((1,), float)
             code = compile_code(functions, [one] * len(plan.used))
@@ -251,10 +242,10 @@ def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:
 
     function_traced = jaxpr_as_fun(traced)
 
-    def reduced(*own):
-        given = dict(zip(used, own, strict=True))
-        found = function_traced(*(given.get(i, 0.0) for i in range(len(one))))
-        return [x for x, place in zip(found, passed, strict=True) if place is None]
+    def reduced(*values):
+        by_place = dict(zip(used, values, strict=True))
+        computed = function_traced(*(by_place.get(i, 0.0) for i in range(len(one))))
+        return [x for x, place in zip(computed, passed, strict=True) if place is None]
 
     return _Plan(used, passed, _template(jax.tree.structure(results))), reduced
 

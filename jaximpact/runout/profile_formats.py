@@ -26,10 +26,8 @@ class ProfileTable(NamedTuple):
     """Profile as its CSV file has it."""
 
     profile: Profile
-    quantities: tuple[str, ...]
-    """Quantities of the ground that have a column."""
-    materials: tuple[str, ...] | None
-    """Material of each segment; None without a column of materials."""
+    quantities: tuple[str, ...]  # quantities of the ground that have a column
+    materials: tuple[str, ...] | None  # of each segment, if there is a column
 
 
 @numpy_settings()
@@ -81,12 +79,25 @@ def read_profile_table(
     cells = {name: [row[i].strip() for _, row in rows] for i, name in enumerate(names)}
     lines = [line for line, _ in rows]
     materials = cells.pop(MATERIAL_COLUMN, None)
-    numbers = {name: _numbers(path, name, cells[name], lines) for name in cells}
+    if materials is not None:
+        # The ground of the last point is not used.
+        materials = tuple(materials[:-1])
+        for line, cell in zip(lines, materials, strict=False):
+            if not cell:
+                problem = "is empty; the name of a material is needed"
+                raise _error(path, problem, line, MATERIAL_COLUMN)
+    numbers: dict[str, np.ndarray] = {}
+    for name, column in cells.items():
+        for line, cell in zip(lines, column, strict=True):
+            if not reads_as_number(cell):
+                problem = f"must be a number, but is {cell!r}"
+                raise _error(path, problem, line, name)
+        numbers[name] = np.array([float(cell) for cell in column])
     x, y = (numbers.pop(name) for name in POINT_COLUMNS)
     for column, values in zip(POINT_COLUMNS, (x, y), strict=True):
-        if problem := problem_with(values, column.removesuffix("_m")):
-            place, told = problem
-            raise InputError(told, file=path, row=lines[place], column=column)
+        if bad := problem_with(values, column.removesuffix("_m")):
+            place, problem = bad
+            raise _error(path, problem, lines[place], column)
     fields: dict[str, ArrayLike] = {}
     angles: dict[str, ArrayLike] = {
         "rolling_friction_angle": rolling_friction_angle,
@@ -99,18 +110,17 @@ def read_profile_table(
         profile = Profile(x, y, dataclasses.replace(soil, **fields), **angles)
     except ValueError as error:
         raise InputError(str(error), file=path) from None
-    if materials is not None:
-        materials = _materials(path, materials[:-1], lines)
     return ProfileTable(profile, tuple(numbers), materials)
 
 
-def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
-    """Read the header with its line, and the rows with theirs, of as many cells; empty
-    lines are passed over.
+def _error(path: Path, problem: str, line: int, column: str) -> InputError:
+    return InputError(problem, file=path, row=line, column=column)
 
-    Raises InputError, naming file and row, for rows of other lengths and for a file
-    without a header.
-    """
+
+def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
+    """Read the header with its line, and the rows with theirs; empty lines are passed
+    over. Raises InputError, naming file and row, for rows of other lengths than the
+    header, and for a file without one."""
     data = read_input(path, once=False)
     check_text(path, data)
     with located(file=path):
@@ -124,62 +134,29 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
     (first, header), *rows = rows
     for line, cells in rows:
         if len(cells) != len(header):
-            raise InputError(
-                f"has {len(cells)} cells, but the header has {len(header)}",
-                file=path,
-                row=line,
-            )
+            problem = f"has {len(cells)} cells, but the header has {len(header)}"
+            raise InputError(problem, file=path, row=line)
     return first, header, rows
-
-
-def _numbers(path: Path, name: str, cells: list[str], lines: list[int]) -> np.ndarray:
-    for line, cell in zip(lines, cells, strict=True):
-        if not reads_as_number(cell):
-            raise InputError(
-                f"must be a number, but is {cell!r}", file=path, row=line, column=name
-            )
-    return np.array([float(cell) for cell in cells])
-
-
-def _materials(path: Path, cells: list[str], lines: list[int]) -> tuple[str, ...]:
-    """Check that each point but the last, whose ground is not used, has a material."""
-    for line, cell in zip(lines, cells, strict=False):
-        if not cell:
-            raise InputError(
-                "is empty; the name of a material is needed",
-                file=path,
-                row=line,
-                column=MATERIAL_COLUMN,
-            )
-    return tuple(cells)
 
 
 def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None:
     for mark, marks in ((";", "semicolons"), ("\t", "tabs")):
         if len(names) == 1 and mark in names[0]:
-            raise InputError(
-                f"needs commas between columns, but has {marks}", file=path, row=line
-            )
+            problem = f"needs commas between columns, but has {marks}"
+            raise InputError(problem, file=path, row=line)
     for place, name in enumerate(names):
+        problem = None
         if name in SLOTS:
-            raise InputError(
+            problem = (
                 f"names a law, but a profile has one {name} for all its segments; name "
-                "it under [ground] or in the soil",
-                file=path,
-                row=line,
-                column=name,
+                "it under [ground] or in the soil"
             )
-        if name not in known:
-            raise InputError(
-                f"is unknown; did you mean {nearest(name, known)}?",
-                file=path,
-                row=line,
-                column=name or str(place + 1),
-            )
-        if name in names[:place]:
-            raise InputError(
-                "stands twice in the header", file=path, row=line, column=name
-            )
+        elif name not in known:
+            problem = f"is unknown; did you mean {nearest(name, known)}?"
+        elif name in names[:place]:
+            problem = "stands twice in the header"
+        if problem:
+            raise _error(path, problem, line, name or str(place + 1))
     for name in POINT_COLUMNS:
         if name not in names:
             raise InputError(f"needs a column {name}", file=path, row=line)

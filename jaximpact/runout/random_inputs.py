@@ -140,19 +140,15 @@ Distribution = Normal | Uniform | Lognormal | PowerLaw
 
 MULTIPLIERS = np.uint64(0xD2511F53), np.uint64(0xCD9E8D57)
 KEY_STEPS = 0x9E3779B9, 0xBB67AE85
-ROUNDS = 10
 LOW, HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 
 
 def philox(words: Sequence[ArrayLike], key: tuple[int, int]) -> list[np.ndarray]:
-    """Compute four random words of 32 bits, as uint64, at a counter of four words.
-
-    Args:
-        words: counter, arrays of whole numbers below 2^32 that broadcast.
-        key: two such numbers that name the stream.
-    """
+    """Compute four random words of 32 bits, as uint64, at a counter of four words,
+    arrays of whole numbers below 2^32 that broadcast; two such numbers, the key, name
+    the stream."""
     a, b, c, d = (np.asarray(word).astype(np.uint64) for word in words)
-    for turn in range(ROUNDS):
+    for turn in range(10):
         first, second = (
             np.uint64((part + turn * step) & 0xFFFFFFFF)
             for part, step in zip(key, KEY_STEPS, strict=True)
@@ -204,15 +200,15 @@ def draw(
     whole_number("count", count, 0)
     check_memory(count * len(quantities), f"{count} blocks")
     samples, repeats = {}, combinations(quantities)
-    for name, given in quantities.items():
-        if type(given) is tuple:
-            repeats //= len(given)
-            places = np.arange(count) // repeats % len(given)
-            samples[name] = np.asarray(given)[places]
-        elif isinstance(given, Distribution):
-            samples[name] = given.values(uniforms(seed, name, count))
+    for name, quantity in quantities.items():
+        if type(quantity) is tuple:
+            repeats //= len(quantity)
+            places = np.arange(count) // repeats % len(quantity)
+            samples[name] = np.asarray(quantity)[places]
+        elif isinstance(quantity, Distribution):
+            samples[name] = quantity.values(uniforms(seed, name, count))
         else:
-            samples[name] = np.full(count, real_number(name, given))
+            samples[name] = np.full(count, real_number(name, quantity))
     return samples
 
 
@@ -305,7 +301,7 @@ class RandomField(NamedTuple):
         stream = key_of(seed, f"{key} along the slope")
         rho = np.exp(-1.0 / CELLS_PER_LENGTH)
         wanted, place = np.unique(cells, return_inverse=True)
-        found, z = np.empty((count, len(wanted))), np.zeros(count)
+        fields, z = np.empty((count, len(wanted))), np.zeros(count)
         column = 0
         for cell in range(int(wanted[-1]) + 1):
             step = ndtri(uniforms_at([np.uint64(cell), np.uint64(0), *words], stream))
@@ -313,6 +309,6 @@ class RandomField(NamedTuple):
             if cell == wanted[column]:
                 # Away from 0 and 1, as the inverse distribution functions need it.
                 uniforms = np.clip(ndtr(z), 2.0**-54, 1.0 - 2.0**-53)
-                found[:, column] = self.distribution.values(uniforms)
+                fields[:, column] = self.distribution.values(uniforms)
                 column += 1
-        return found[:, place]
+        return fields[:, place]

@@ -139,11 +139,11 @@ def follow(
     `simulate_runout`."""
     states, indices, done = [], [], 0
     for alone, lanes in release.by_shape():
-        own, laws = ground, contacts
+        of_shape, laws = ground, contacts
         if len(lanes) < release.count:
-            own = (ground or Ground.of_profile(profile)).of_blocks(lanes)
+            of_shape = (ground or Ground.of_profile(profile)).of_blocks(lanes)
             laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
-        state = RunState.at_release(profile, alone, own, limits)
+        state = RunState.at_release(profile, alone, of_shape, limits)
         _advance(state, laws, width, _Counted(progress, done, release.count))
         done += len(lanes)
         states.append(state)

@@ -20,19 +20,6 @@ import numpy as np
 from .._checks import real_number
 from ..errors import InputError, UnusualValueWarning
 
-REACH = 4.0
-"""Distance up to which points count, as a multiple of the length; their weight there is
-3e-4."""
-DEGREE = 2
-"""Degree of the local polynomials."""
-SINGULAR = 1e-10
-"""Smallest singular value of the normal equations, as a fraction of the largest; where
-too few points are near, the parabola of the smallest coefficients goes through them."""
-LARGEST_FRACTION = 0.1
-"""Largest length, as a fraction of the profile's."""
-LARGEST_MOVE = 0.5
-"""Change of a height [m] that is warned of; noise is smaller, walls are larger."""
-
 
 class Smoothing(NamedTuple):
     """What a smoothing did to the heights of a profile."""
@@ -58,14 +45,8 @@ class Smoothing(NamedTuple):
 
 
 def smooth_heights(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
-    """Smooth the heights of a profile's points.
-
-    Args:
-        x, y: coordinates of the points [m], `(points,)`; x increasing.
-        length: standard deviation of the weights along x [m].
-
-    Returns:
-        Heights at the same x [m], `(points,)`.
+    """Smooth the heights of a profile's points [m], x increasing, with weights of a
+    standard deviation of `length` along x [m].
 
     Raises InputError for a length that is not above 0, or too large for the profile.
     Warns of a length that is smaller than the distances of the points, and of heights
@@ -73,7 +54,7 @@ def smooth_heights(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
     """
     length = real_number("the length of a smoothing", length)
     whole = float(x[-1] - x[0])
-    if not 0.0 < length <= LARGEST_FRACTION * whole:
+    if not 0.0 < length <= 0.1 * whole:
         raise InputError(
             f"the length of a smoothing must be above 0 and at most a tenth of the "
             f"profile's {whole:g} m, but is {length:g} m"
@@ -85,7 +66,7 @@ def smooth_heights(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
             f"a smoothing over {length:g} m leaves most of the noise of points that "
             f"are {spacing:.3g} m apart; it takes a length of some times as much"
         )
-    if np.max(moved) > LARGEST_MOVE:
+    if np.max(moved) > 0.5:  # noise is smaller, walls are larger
         i = int(np.argmax(moved))
         _warn(
             f"a smoothing over {length:g} m moves the profile by {moved[i]:.3g} m at "
@@ -97,25 +78,26 @@ def smooth_heights(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
 
 def _moves(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
     """Compute the changes of the heights [m]."""
-    count = np.arange(len(x))
-    reach = np.searchsorted(x, x + REACH * length, side="right") - 1 - count
+    # Farther points than four lengths have weights below 3e-4.
+    reach, count = 4.0, np.arange(len(x))
+    within = np.searchsorted(x, x + reach * length, side="right") - 1 - count
     # Sums over the points about each one of the powers of their distances.
-    powers = np.zeros((2 * DEGREE + 1, len(x)))
-    heights = np.zeros((DEGREE + 1, len(x)))
-    for offset in range(-np.max(reach), np.max(reach) + 1):
+    powers = np.zeros((5, len(x)))
+    heights = np.zeros((3, len(x)))
+    for offset in range(-np.max(within), np.max(within) + 1):
         at = count[max(0, -offset) : len(x) - max(0, offset)]
         u = (x[at + offset] - x[at]) / length
-        term = np.where(np.abs(u) <= REACH, np.exp(-0.5 * u**2), 0.0)
+        term = np.where(np.abs(u) <= reach, np.exp(-0.5 * u**2), 0.0)
         # Relative to the point's own height, which may be of thousands of metres.
         rise = y[at + offset] - y[at]
-        for power in range(2 * DEGREE + 1):
+        for power in range(5):
             powers[power, at] += term
-            if power <= DEGREE:
+            if power < 3:
                 heights[power, at] += term * rise
             term = term * u
-    places = np.add.outer(np.arange(DEGREE + 1), np.arange(DEGREE + 1))
-    equations = np.moveaxis(powers[places], -1, 0)
-    inverse = np.linalg.pinv(equations, rcond=SINGULAR, hermitian=True)
+    equations = np.moveaxis(powers[np.add.outer(np.arange(3), np.arange(3))], -1, 0)
+    # Where too few points are near, the parabola of the smallest coefficients.
+    inverse = np.linalg.pinv(equations, rcond=1e-10, hermitian=True)
     # The polynomial's value at the point itself.
     return np.einsum("pi,ip->p", inverse[:, 0], heights)
 

@@ -38,13 +38,9 @@ EVENT_LIMIT = 10_000
 HOP_THRESHOLD = 1.0
 """Default of the height of a flight, as a fraction of the block's heave, below which
 it rolls."""
-UNDER_WAY = -1.0
-"""Code of the ending of a block that has not ended."""
-UNKNOWN = -1.0
-"""Place of what a block touches, where it is not known yet."""
-JOINED = 1e-8
-"""Fraction of a block's smaller semi-axis up to which pieces of its trajectory may lie
-apart."""
+NONE = -1.0
+"""Code of the ending, and place of the segment and the element, that a block does not
+have, or not yet."""
 
 
 class Phase(enum.IntEnum):
@@ -62,10 +58,8 @@ class Phase(enum.IntEnum):
 class Limits(NamedTuple):
     """Limits of a trajectory, and of the flights that are followed."""
 
-    time: float = TIME_LIMIT
-    """Longest trajectory [s]."""
-    events: int = EVENT_LIMIT
-    """Most contacts and legs."""
+    time: float = TIME_LIMIT  # longest trajectory [s]
+    events: int = EVENT_LIMIT  # most contacts and legs
     hop_threshold: float = HOP_THRESHOLD
     """Height of a flight after a contact or at a break, as a fraction of the block's
     heave, below which it rolls instead."""
@@ -75,35 +69,24 @@ class BlockState(NamedTuple):
     """State of one block, or of many, arrays `(blocks,)`; codes and numbers are
     floats."""
 
-    time: Values
-    """Time since release [s]."""
+    time: Values  # time since release [s]
     body: Body
     """Position and motion at `time`; on the ground the velocities are those of the
     last flight."""
-    phase: Values
-    """Code of `Phase`."""
-    ending: Values
-    """Code of `Ending`; -1 for a block under way."""
-    events: Values
-    """Number of contacts and legs so far."""
-    impacts: Values
-    """Number of impacts so far."""
-    segment: Values
-    """Segment that the block touches, or touched last; -1 for none."""
+    phase: Values  # code of `Phase`
+    ending: Values  # code of `Ending`; -1 for a block under way
+    events: Values  # number of contacts and legs so far
+    impacts: Values  # number of impacts so far
+    segment: Values  # segment that the block touches, or touched last; -1 for none
     element: Values
     """Place of what a block on the ground touches in `CentrePath.elements`; -1 where it
     is not known yet."""
-    rolls: Values
-    """1 for a block that rolls, 0 for one that slides."""
-    direction: Values
-    """Direction of motion along the ground: 1 to the right, -1 to the left."""
-    speed_squared: Values
-    """Squared speed along the ground [m2/s2]."""
-    normal_x: Values
-    """Normal of the plane that the block touches."""
+    rolls: Values  # 1 for a block that rolls, 0 for one that slides
+    direction: Values  # of motion along the ground: 1 to the right, -1 to the left
+    speed_squared: Values  # squared speed along the ground [m2/s2]
+    normal_x: Values  # normal of the plane that the block touches
     normal_y: Values
-    gap: Values
-    """Distance to that plane [m]; negative in the ground."""
+    gap: Values  # distance to that plane [m]; negative in the ground
 
     @property
     def is_rolling(self) -> Values:
@@ -146,8 +129,7 @@ class BlockConstants(NamedTuple):
 
     outline: BlockOutline
     mass_properties: MassProperties
-    round: RoundBlock
-    """Round block that rolls in its place."""
+    round: RoundBlock  # round block that rolls in its place
 
     def centre_height(self, rolls: Values) -> Values:
         """Give the height of the centre over the ground [m]: the round block's radius
@@ -164,10 +146,8 @@ class GroundOfBlocks(NamedTuple):
     """Ground of each block and segment, arrays `(blocks, segments)`."""
 
     soil: Soil
-    rolling_friction: Values
-    """Tangents of the angles of rolling friction."""
-    sliding_friction: Values
-    """Tangents of the angles of friction between block and ground."""
+    rolling_friction: Values  # tangents of the angles of rolling friction
+    sliding_friction: Values  # tangents, between block and ground
 
 
 @closed_form
@@ -191,30 +171,22 @@ class RunState:
 
     profile: Profile
     release: Release
-    path: CentrePath
-    """Paths of the centres of blocks on the ground."""
+    path: CentrePath  # paths of the centres of blocks on the ground
     limits: Limits
-    seed: int
-    """Seed of the facets."""
-    numbers: np.ndarray
-    """Block numbers that select the random facets."""
-    roughness: np.ndarray
-    """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
+    seed: int  # seed of the facets
+    numbers: np.ndarray  # block numbers that select the random facets
+    roughness: np.ndarray  # of facets [rad], `(blocks, segments)`
     blocks: BlockState
     constants: BlockConstants
     ground: GroundOfBlocks
     contacts: Recorder
     pieces: Recorder
-    lookahead: np.ndarray
-    """Number of elements ahead that the next ride of a block on the ground
-    evaluates."""
-    stays_on: np.ndarray
-    """Element that a block on the ground does not leave; -1 for none."""
+    lookahead: np.ndarray  # number of elements that the next ride evaluates
+    stays_on: np.ndarray  # element that a block does not leave; -1 for none
     passed: np.ndarray
     """x, in the mirror of a block that moves to the left, up to which a block on the
     ground passes over corners in a hop [m]."""
-    blocked: np.ndarray
-    """True for a block at rest on the ground that could not go the other way."""
+    blocked: np.ndarray  # at rest on the ground, and could not go the other way
 
     @classmethod
     def at_release(
@@ -243,7 +215,7 @@ class RunState:
             contacts=Recorder(ContactRecord),
             pieces=Recorder(Pieces),
             lookahead=np.zeros(n, int),
-            stays_on=np.full(n, UNKNOWN),
+            stays_on=np.full(n, NONE),
             passed=np.full(n, -np.inf),
             blocked=np.zeros(n, bool),
         )
@@ -255,17 +227,14 @@ class RunState:
         piece: Pieces | None = None,
         sinks: bool = False,
     ) -> None:
-        """Move blocks on by a transition.
+        """Move blocks on by a transition, and record the piece of the motion where it
+        takes time.
 
         A block whose centre would come into the ground is wedged in a place narrower
-        than itself: it does not move, and has stopped. What the piece leaves out of the
-        way, as where a round block takes the place of an ellipse, becomes a piece of
-        its own that takes time: no block is anywhere at once.
-
-        Args:
-            after: the blocks after the transition.
-            piece: the motion, to be recorded where it takes time.
-            sinks: whether a block may end in the ground, as in its crater.
+        than itself: it does not move, and has stopped; but for one that sinks, and may
+        end in its crater. What the piece leaves out of the way, as where a round block
+        takes the place of an ellipse, becomes a piece of its own that takes time: no
+        block is anywhere at once.
         """
         x, y = after.body.x, after.body.y
         on_profile = (x > self.profile.x[0]) & (x < self.profile.x[-1])
@@ -301,7 +270,7 @@ class RunState:
         """
         d_x, d_y = after.body.x - x, after.body.y - y
         way = np.sqrt(d_x**2 + d_y**2)
-        apart = way > JOINED * self.constants.outline.smallest[lanes]
+        apart = way > 1e-8 * self.constants.outline.smallest[lanes]
         if not np.any(apart):
             return
         lanes, after = lanes[apart], select(after, apart)
@@ -359,11 +328,11 @@ def _at_release(body: Body) -> BlockState:
         time=zero,
         body=body,
         phase=zero + Phase.airborne,
-        ending=zero + UNDER_WAY,
+        ending=zero + NONE,
         events=zero,
         impacts=zero,
-        segment=zero - 1.0,
-        element=zero - 1.0,
+        segment=zero + NONE,
+        element=zero + NONE,
         rolls=zero,
         direction=zero + 1.0,
         speed_squared=zero,

@@ -24,16 +24,10 @@ ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
 ROLLING_COLUMN = "rolling_friction_angle_deg"
 ROUGHNESS_COLUMN = "roughness_deg"
-SAME_PLANE = 1e-9
-"""Sine of the angle between two planes within which they are the same."""
-ROUGHEST = math.radians(30.0)
-"""Largest roughness [rad]."""
 
 
-def _angle(
-    name: str, default: float, upper: float, upper_allowed: bool, meaning: str
-) -> InputColumn:
-    return InputColumn(
+ANGLE_COLUMNS: dict[str, InputColumn] = {
+    name: InputColumn(
         name=name,
         part="ground",
         field=name.removesuffix("_deg"),
@@ -46,23 +40,16 @@ def _angle(
         unit="deg",
         meaning=meaning,
     )
-
-
-ANGLE_COLUMNS: dict[str, InputColumn] = {
-    ROLLING_COLUMN: _angle(
-        name=ROLLING_COLUMN,
-        default=ROLLING_FRICTION_ANGLE,
-        upper=90.0,
-        upper_allowed=False,
-        meaning="angle of rolling friction",
-    ),
-    ROUGHNESS_COLUMN: _angle(
-        name=ROUGHNESS_COLUMN,
-        default=0.0,
-        upper=ROUGHEST / DEGREE,
-        upper_allowed=True,
-        meaning="standard deviation of the angle of the ground's facets",
-    ),
+    for name, default, upper, upper_allowed, meaning in (
+        (
+            *(ROLLING_COLUMN, ROLLING_FRICTION_ANGLE, 90.0, False),
+            "angle of rolling friction",
+        ),
+        (
+            *(ROUGHNESS_COLUMN, 0.0, 30.0, True),
+            "standard deviation of the angle of the ground's facets",
+        ),
+    )
 }
 """Columns of the ground beside those of its soil."""
 
@@ -129,14 +116,14 @@ class Profile(ShownAsTable):
                     f"but got shape {np.shape(values)}"
                 ) from None
 
-        given = {"rolling_friction_angle": rolling_friction_angle}
-        given |= {"roughness": roughness}
+        of_angles = {"rolling_friction_angle": rolling_friction_angle}
+        of_angles |= {"roughness": roughness}
         fields = {}
         for column in ground_columns(soil).values():
             field, of_soil = column.field, column.part == "soil"
             name = f"Soil.{field}" if of_soil else field
             values = of_segments(
-                name, getattr(soil, field) if of_soil else given[field]
+                name, getattr(soil, field) if of_soil else of_angles[field]
             )
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
@@ -249,43 +236,40 @@ def _fixed(values: np.ndarray) -> np.ndarray:
     return values
 
 
-PAIRS = 2**18
-"""Number of pairs at once, by which the memory for them is bounded."""
-
-
 def in_pairs(
     first: np.ndarray, last: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Pair each lane with its segments.
-
-    Args:
-        first, last: segments of the lanes, `(lanes,)`; none where the last is less.
-
-    Yields:
-        Lanes and segments of some pairs.
-    """
+    """Yield pairs of lanes and segments, some at a time, each lane with its segments
+    from the first to the last; none where the last is less."""
     count = np.maximum(last - first + 1, 0)
     ends = np.cumsum(count)
     start, begun = 0, 0
     while start < len(count):
-        stop = max(start + 1, int(np.searchsorted(ends, begun + PAIRS, side="right")))
+        # As many at once as the memory for them allows.
+        stop = int(np.searchsorted(ends, begun + 2**18, side="right"))
+        stop = max(start + 1, stop)
         lanes = np.repeat(np.arange(start, stop), count[start:stop])
         before = (ends - count)[lanes]
         yield lanes, first[lanes] + np.arange(begun, begun + len(lanes)) - before
         start, begun = stop, int(ends[stop - 1])
 
 
-def straight_lines(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Number the straight lines of a polyline: points on a line divide it into
-    segments, and change nothing.
+def stretches(chosen: np.ndarray) -> list[tuple[int, int]]:
+    """List where neighbours that are chosen begin and end: the first of each stretch,
+    and the first behind it."""
+    steps = np.diff(np.concatenate([[0], chosen.astype(int), [0]]))
+    ends = (np.flatnonzero(steps == step).tolist() for step in (1, -1))
+    return list(zip(*ends, strict=True))
 
-    Returns:
-        The line of each segment, from 0, `(segments,)`.
-    """
+
+def straight_lines(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Give the number of the straight line that each segment of a polyline belongs to,
+    from 0: points on a line divide it into segments, and change nothing."""
     d_x, d_y = np.diff(x), np.diff(y)
     length = np.sqrt(d_x**2 + d_y**2)
     turn = (d_y[:-1] * d_x[1:] - d_x[:-1] * d_y[1:]) / (length[:-1] * length[1:])
-    return np.concatenate([[0], np.cumsum(np.abs(turn) > SAME_PLANE)])
+    # Planes are the same within this sine of the angle between them.
+    return np.concatenate([[0], np.cumsum(np.abs(turn) > 1e-9)])
 
 
 def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
@@ -295,9 +279,9 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
     if len(x) < 2:
         return f" needs at least two points, but got {len(x)}"
     for name, values in (("x", x), ("y", y)):
-        if problem := problem_with(values, name):
-            i, told = problem
-            return f"'s {name} of point {i + 1} {told}"
+        if bad := problem_with(values, name):
+            i, problem = bad
+            return f"'s {name} of point {i + 1} {problem}"
     back = np.diff(x) <= NARROWEST
     if np.any(back):
         i = int(np.argmax(back))
@@ -415,20 +399,16 @@ def ground_values(ground: Profile | Ground) -> dict[str, np.ndarray]:
 
 
 def with_ground_values(soil: Soil, values: Mapping[str, Any]) -> tuple[Soil, Any, Any]:
-    """Give soil, angle of rolling friction and roughness with other quantities.
-
-    Args:
-        soil: gives the laws, and the quantities that are not in `values`.
-        values: quantities by the names of their columns, in SI units; angles that are
-            not there have their defaults.
-    """
+    """Give soil, angle of rolling friction and roughness with other quantities, by the
+    names of their columns, in SI units. The soil gives what is not among the values;
+    angles that are not there have their defaults."""
     columns = columns_of_part("soil", soil)
-    own = {c.field: values[name] for name, c in columns.items() if name in values}
+    fields = {c.field: values[name] for name, c in columns.items() if name in values}
     rolling, roughness = (
         values.get(name, column.factor * column.default)
         for name, column in ANGLE_COLUMNS.items()
     )
-    return dataclasses.replace(soil, **own), rolling, roughness
+    return dataclasses.replace(soil, **fields), rolling, roughness
 
 
 def spread(values: ArrayLike, blocks: int, segments: int) -> np.ndarray:
@@ -446,13 +426,10 @@ def spread(values: ArrayLike, blocks: int, segments: int) -> np.ndarray:
 
 
 def subdivide(profile: Profile, places: ArrayLike) -> tuple[Profile, np.ndarray]:
-    """Cut the segments of a profile at some places.
+    """Cut the segments of a profile at some x [m], in any order; those at its points,
+    or beyond its ends, cut nothing.
 
     The pieces have their segment's ground, and go straight on but for rounding.
-
-    Args:
-        places: x of the cuts [m], in any order; those at points of the profile, or
-            beyond its ends, cut nothing.
 
     Returns:
         The profile, and for each of its segments the index of the one that it is a

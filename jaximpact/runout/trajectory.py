@@ -117,11 +117,8 @@ COLUMN_TYPES: dict[str, type] = {
 
 
 class Recorder:
-    """Collector of rows of pieces or contacts, which come in any order of blocks.
-
-    Args:
-        kind: `Pieces` or `ContactRecord`.
-    """
+    """Collector of rows of `Pieces` or of `ContactRecord`, which come in any order of
+    blocks."""
 
     def __init__(self, kind: type):
         self.kind = kind
@@ -133,26 +130,24 @@ class Recorder:
         if len(lanes):
             self.parts.append((lanes, rows))
 
-    def sorted(self) -> Any:
-        """Sort all rows by trajectory, and within each by time."""
-        trajectory = np.concatenate([lanes for lanes, _ in self.parts])
-        order = np.argsort(trajectory, kind="stable")
-        columns = zip(*(rows for _, rows in self.parts), strict=True)
-        rows = self.kind(*(np.concatenate(column)[order] for column in columns))
-        rows = rows._replace(trajectory=trajectory[order])
-        types = COLUMN_TYPES.items()
-        return rows._replace(
-            **{n: getattr(rows, n).astype(t) for n, t in types if hasattr(rows, n)}
-        )
-
 
 def joined(recorders: Sequence[Recorder], indices: Sequence[np.ndarray]) -> Any:
-    """Sort the rows of several recorders, with the indices of the blocks of each."""
-    whole = Recorder(recorders[0].kind)
-    for recorder, of_blocks in zip(recorders, indices, strict=True):
-        for lanes, rows in recorder.parts:
-            whole.add(of_blocks[lanes], rows)
-    return whole.sorted()
+    """Sort the rows of several recorders by trajectory, and within each by time, with
+    the indices of the blocks of each recorder."""
+    parts = [
+        (of_blocks[lanes], rows)
+        for recorder, of_blocks in zip(recorders, indices, strict=True)
+        for lanes, rows in recorder.parts
+    ]
+    trajectory = np.concatenate([lanes for lanes, _ in parts])
+    order = np.argsort(trajectory, kind="stable")
+    columns = zip(*(rows for _, rows in parts), strict=True)
+    rows = recorders[0].kind(*(np.concatenate(column)[order] for column in columns))
+    rows = rows._replace(trajectory=trajectory[order])
+    kinds = COLUMN_TYPES.items()
+    return rows._replace(
+        **{n: getattr(rows, n).astype(kind) for n, kind in kinds if hasattr(rows, n)}
+    )
 
 
 class Ending(enum.IntEnum):
@@ -257,18 +252,12 @@ class Stretches(NamedTuple):
     $2(X - x_0)/(v + w)$ or $(w - v)/a$, whichever does not cancel.
     """
 
-    piece: np.ndarray
-    """Number of the piece, from 0."""
-    start: Values
-    """Start, from the start of the piece [s]."""
-    stop: Values
-    """End, from the start of the piece [s]."""
-    sign: np.ndarray
-    """Direction: 1 to the right, -1 to the left, 0 where x stays."""
-    x_start: Values
-    """x at the start [m]."""
-    x_stop: Values
-    """x at the end [m]."""
+    piece: np.ndarray  # number of the piece, from 0
+    start: Values  # start, from the start of the piece [s]
+    stop: Values  # end, from the start of the piece [s]
+    sign: np.ndarray  # direction: 1 to the right, -1 to the left, 0 where x stays
+    x_start: Values  # x at the start [m]
+    x_stop: Values  # x at the end [m]
 
 
 def stretches_of(runs: Runs) -> Stretches:

@@ -71,12 +71,12 @@ def test_a_failed_impact_is_large_and_finite(misfit):
 
 def test_comparison():
     """Sums, minima and proportions of made-up fits."""
-    ours = calibration.Fitted("ours", np.full((2, 4), 0.05), 8.0, 15.0, 400)
+    ours = calibration.Fitted("ours", np.full((2, 1), 0.05), 8.0, 15.0, 400, True)
     rms = np.array([[0.2, 0.126], [0.06, 0.0741]])
     slow = calibration.Fitted("slow", rms, 100.0, float("nan"), 90)
     head, first, second = calibration.as_rows([ours, slow], starts=4, cold=8.0)
     assert len(head) == len(first) == len(second)
-    assert first[:5] == ("ours", "4", "0.0500", "0.0500", "4 of 4")
+    assert first[:5] == ("ours", "search", "0.0500", "0.0500", "1 of 1")
     assert first[-3:] == ("15.0", "8", "1")
     assert second[:5] == ("slow", "2", "0.2000", "0.1260", "1 of 2")
     assert second[5:8] == ("0.0600", "0.0600", "1 of 2")

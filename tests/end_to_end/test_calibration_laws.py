@@ -1,28 +1,21 @@
 """Calibration with laws of the user's own and with other shapes: fitted, predicted,
 kept and refused."""
 
+import dataclasses
 import json
 
-import jax
 import numpy as np
 import pytest
+from calibrated_twin import results_of_model
+from calibration_studies import objective_of, write_study_of
 from error_messages import assert_one_line_error
-from text_files import write_rows
+from text_files import write_columns
 
-from jaximpact import (
-    Block,
-    Impact,
-    Outcome,
-    Scene,
-    Soil,
-    calibrate,
-    predict,
-    simulate_batch,
-)
+from jaximpact import Outcome, Soil, calibrate, predict
 from jaximpact.calibration import read_study, suggest_tests
+from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.fitted_ground import read_fitted
-from jaximpact.calibration.problem.forward_model import models_of
-from jaximpact.calibration.problem.objective import Objective
+from jaximpact.calibration.problem.objective import start_of
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.laws import FluidityRate, PowerNucleus
@@ -31,18 +24,9 @@ from jaximpact.shapes import EllipticCylinder, RectangularPrism
 pytestmark = pytest.mark.slow
 
 LAWS = '''\
-"""A flow that saturates, and dashpots of one number."""
+"""A flow that saturates."""
 
-import jax.numpy as jnp
-
-from jaximpact.laws import (
-    AbstractDamping,
-    AbstractFlow,
-    Damping,
-    displacement_rates,
-    overstress,
-    parameter,
-)
+from jaximpact.laws import AbstractFlow, displacement_rates, overstress, parameter
 
 
 class Saturating(AbstractFlow):
@@ -55,40 +39,20 @@ class Saturating(AbstractFlow):
         return displacement_rates(rate, load, 0.0, branch=branch)
 
 
-class OneRatio(AbstractDamping):
-    my_ratio: object = parameter(0.0, "-", "[0, inf)", "damping ratio")
-
-    def __call__(self, stiffness, mass, inertia):
-        def of(k, m):
-            return 2.0 * self.my_ratio * jnp.sqrt(k * m)
-
-        return Damping(
-            of(stiffness.normal, mass),
-            of(stiffness.tangential, mass),
-            of(stiffness.rotational, inertia),
-        )
-
-    def acts(self):
-        import numpy as np
-
-        works = ~(np.asarray(self.my_ratio) <= 0.0)
-        return works, works
-
-
-class SecondRate(OneRatio):
-    my_rate: object = parameter(0.0, "-", "[0, inf)", "of the flow's name")
 '''
 TRUE = {"my_rate": 6.0, "my_limit": 0.3, "c_v": 1.5}
 SIGMA = {"e_n": 2e-3, "max_penetration_m": 1e-3}
-COLUMNS = ("mass_kg", "speed_mps", "angle_deg")
-FITTED = (
-    *((100, 6, 0), (500, 15, 20), (50, 25, 40), (2000, 10, 60)),
-    *((300, 12, 30), (800, 20, 10), (150, 9, 50), (400, 18, 5)),
-)
-NEW = ((200, 8, 15), (600, 16, 35))
+FITTED = {
+    "mass_kg": [100.0, 500.0, 50.0, 2000.0, 300.0, 800.0, 150.0, 400.0],
+    "speed_mps": [6.0, 15.0, 25.0, 10.0, 12.0, 20.0, 9.0, 18.0],
+    "angle_deg": [0.0, 20.0, 40.0, 60.0, 30.0, 10.0, 50.0, 5.0],
+}
+NEW = {"mass_kg": [200.0, 600.0], "speed_mps": [8.0, 16.0], "angle_deg": [15.0, 35.0]}
+FEW = {name: values[:3] for name, values in FITTED.items()}
+TESTS = FEW | dict.fromkeys(SIGMA, [0.2] * 3)
 STUDY = """\
 data = "tests.csv"
-starts = 8
+starts = 4
 [soil]
 flow = "my_laws.py:Saturating"
 [parameters]
@@ -101,62 +65,40 @@ max_penetration_m = 0.001
 """
 
 
-def measured(rows, soil, block=None):
-    """What the model gives for tests, a row each of `SIGMA`'s columns."""
-    mass, speed, angle = np.array(rows, float).T
-    block = block or Block(mass=mass)
-    impact = Impact(speed=speed, angle=np.deg2rad(angle))
-    result = simulate_batch(Scene(block, soil, impact), accuracy="reference")
-    return np.stack([result.e_n, result.max_penetration], axis=1)
-
-
 def write_laws(folder, text=LAWS):
     (folder / "my_laws.py").write_text(text)
     return f"{folder / 'my_laws.py'}:Saturating"
 
 
-def write_study(folder, text=STUDY, rows=((500, 15, 20, 0.2, 0.2),)):
+def study_in(folder, text, **columns):
+    """A study of few tests beside the law."""
     write_laws(folder)
-    write_rows(folder / "tests.csv", (*COLUMNS, *SIGMA), rows)
-    (folder / "study.toml").write_text(text)
-    return folder / "study.toml"
+    return read_study(write_study_of(folder, text, TESTS | columns))
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A law, tests that it made with noise of known sigmas, and a study of them."""
     folder = tmp_path_factory.mktemp("own")
-    jax.config.update("jax_enable_x64", True)
     soil = Soil(flow=write_laws(folder), **TRUE)
-    results = measured(FITTED, soil)
-    noise = np.random.default_rng(0).normal(size=results.shape)
-    results += noise * list(SIGMA.values())
-    write_study(folder, rows=np.hstack([FITTED, results]))
-    write_rows(
-        folder / "new.csv", (*COLUMNS, *SIGMA), np.hstack([NEW, measured(NEW, soil)])
-    )
+    results = results_of_model(FITTED, soil)
+    noise = np.random.default_rng(0).normal(size=(8, 2)).T
+    for each, (name, sigma) in zip(noise, SIGMA.items(), strict=True):
+        results[name] = np.array(results[name]) + sigma * each
+    write_study_of(folder, STUDY, FITTED | results)
+    write_columns(folder / "new.csv", NEW | results_of_model(NEW, soil))
     return folder
 
 
 @pytest.fixture(scope="module")
-def written(folder):
-    """Where the command line wrote its fit."""
-    out = folder / "out"
-    assert main(["calibrate", str(folder / "study.toml"), "--out", str(out)]) == 0
-    return out
+def found(folder):
+    return calibrate(folder / "study.toml", out=folder / "out")
 
 
 @pytest.fixture(scope="module")
-def found(folder):
-    """The fit in one call."""
-    bounds = {"my_rate": (0.5, 50.0), "my_limit": (0.01, 5.0)}
-    wanted = {n: {"lower": low, "upper": up} for n, (low, up) in bounds.items()}
-    return calibrate(
-        folder / "tests.csv",
-        fit=wanted | {"c_v": {}},
-        ground=Soil(flow=f"{folder / 'my_laws.py'}:Saturating"),
-        sigma=SIGMA,
-    )
+def written(found, folder):
+    """Where the files of the fit are."""
+    return folder / "out"
 
 
 def test_parameters_of_a_law_are_found_again(found):
@@ -172,11 +114,28 @@ def test_parameters_of_a_law_are_found_again(found):
     assert "Table 1 but for flow Saturating" in " ".join(str(found).split())
 
 
-def test_a_study_finds_the_same(found, written):
-    """What a file says is what a call says."""
+def test_a_call_says_the_same(folder, found):
+    """As a study file, with the law in a soil."""
+    wanted = {
+        "my_rate": {"start": 3.0, "lower": 0.5, "upper": 50.0},
+        "my_limit": {"start": 0.1, "lower": 0.01, "upper": 5.0},
+        "c_v": {},
+    }
+    ground = Soil(flow=f"{folder / 'my_laws.py'}:Saturating")
+    of_call = study_given(
+        folder / "tests.csv", wanted, ground, None, None, SIGMA, None, None
+    )
+    of_file = found.result.study
+    assert [p.name for p in of_call.parameters] == list(TRUE)
+    points = [
+        objective_of(each)(start_of(of_file)[None]) for each in (of_call, of_file)
+    ]
+    np.testing.assert_array_equal(points[0].predicted, points[1].predicted)
+    assert points[0].cost == points[1].cost
+
+
+def test_the_law_stands_in_the_files(written):
     tree = json.loads((written / "fit.json").read_text())
-    for name, one in tree["variants"][0]["parameters"].items():
-        assert one["value"] == pytest.approx(found.parameters[name]["value"], rel=1e-3)
     assert "my_laws.Saturating" in (written / "report.html").read_text()
     assert tree["manifest"]["laws"]["flow"].startswith("my_laws.Saturating (")
     assert tree["manifest"]["parts"]["flow"]["name"].endswith("my_laws.py:Saturating")
@@ -205,8 +164,7 @@ def test_tests_are_predicted_with_the_law(folder, found, written):
 
 
 def test_a_shape_that_was_not_fitted_is_told(found):
-    mass, speed, angle = NEW[0]
-    tests = {"mass_kg": [mass], "speed_mps": [speed], "angle_deg": [angle]}
+    tests = {name: values[:1] for name, values in NEW.items()}
     block = {"shape": "RectangularPrism", "corner_radius_ratio": [0.3]}
     text = str(predict(found, tests | block))
     assert "No fitted test has a block of the shape RectangularPrism." in text
@@ -231,71 +189,17 @@ def test_a_law_that_was_edited_is_another(tmp_path, written, folder, capsys):
     assert_one_line_error(capsys, "fit.json", "changed since", "calibrate again")
 
 
-BAD = {
-    "parameter": ("my_rate = { start", "my_rat = { start", "did you mean my_rate?"),
-    "of another law": (
-        "my_limit = { start",
-        "nucleus_exponent = { start",
-        "PowerNucleus",
-    ),
-    "file": ("my_laws.py:", "your_laws.py:", "soil.flow", "your_laws.py"),
-    "class": (":Saturating", ":Satuating", "did you mean Saturating?"),
-    "base": (":Saturating", ":OneRatio", "must derive from AbstractFlow"),
-    "one name twice": (
-        "[parameters]",
-        '[[variants]]\ndamping = "my_laws.py:SecondRate"\n[parameters]',
-        "variants[1]",
-        "two parameters of one name",
-    ),
-    "no name": ('"my_laws.py:Saturating"', "3", "soil.flow", "must be a name"),
-    "value": ("[soil]", "[soil]\nmy_limt = 1", "soil.my_limt", "mean my_limit?"),
-    "range": ("c_v = {}", "c_v = {}\n[block]\naspect_ratio = -1", "above 0"),
-    "bounds": (", lower = 0.01, upper = 5.0", "", "say lower and upper"),
-    "block": ("[parameters]", '[block]\nshape = "Cube"\n[parameters]', "block.shape"),
-    "of another shape": (
-        "[parameters]",
-        "[block]\ncorner_radius_ratio = 0.1\n[parameters]",
-        "RectangularPrism",
-    ),
-    "variant": (
-        "[default_sigma]",
-        '[[variants]]\n[[variants]]\nname = "b"\nflow = "Perzyna"\n[default_sigma]',
-        "is no parameter of variant 'b', whose laws are flow Perzyna",
-    ),
-}
+def of_variant(study, variant, values):
+    """The objective of a variant, and x of values of its unknowns."""
+    objective = objective_of(dataclasses.replace(study, variants=(variant,)))
+    return objective, objective.bounds.coordinate(np.array([values], float))
 
 
-@pytest.mark.parametrize("case", BAD.values(), ids=BAD)
-def test_bad_studies_are_one_line(tmp_path, capsys, case):
-    old, new, *words = case
-    assert old in STUDY
-    path = write_study(tmp_path, STUDY.replace(old, new, 1))
-    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
-    assert_one_line_error(capsys, "study.toml", *words)
-
-
-def test_bad_calls(tmp_path):
-    write_study(tmp_path)
-    tests = tmp_path / "tests.csv"
-    with pytest.raises(InputError, match="belongs to the flow PowerNucleus"):
-        calibrate(tests, fit=["nucleus_exponent"])
-    with pytest.raises(InputError, match="my_rate has no default bounds"):
-        calibrate(tests, fit=["my_rate"], ground={"flow": write_laws(tmp_path)})
-    with pytest.raises(InputError, match="did you mean Perzyna"):
-        calibrate(tests, ground={"flow": "Perzina"})
-    with pytest.raises(InputError, match="block must be of type Block"):
-        calibrate(tests, block=3)
-
-
-def predicted_by(study, variant, values):
-    """What the objective of a variant gives for values of its unknowns."""
-    model = models_of(study)[study.variants.index(variant)]
-    objective = Objective(study, variant, model)
-    x = objective.bounds.coordinate(np.array([values], float))
-    return objective(x), objective
-
-
-ROWS = [(*row, 0.2, 0.2) for row in FITTED[:3]]
+def assert_predicts(study, variant, expected, rtol=1e-6):
+    """At c_v = 2."""
+    objective, x = of_variant(study, variant, [2.0])
+    found = objective.values(x).predicted[0].T
+    np.testing.assert_allclose(found, [*expected.values()], rtol=rtol)
 
 
 def test_variants_with_other_laws(tmp_path):
@@ -312,15 +216,11 @@ c_v = {}
 flow = "FluidityRate"
 gamma_v = 4.0
 """
-    study = read_study(write_study(tmp_path, text, ROWS))
-    grounds = (
-        Soil(flow=PowerNucleus(nucleus_exponent=1.5), c_v=2.0),
-        Soil(flow=FluidityRate(gamma_v=4.0), c_v=2.0),
-    )
-    for variant, ground in zip(study.variants, grounds, strict=True):
-        points, _ = predicted_by(study, variant, [2.0])
-        expected = measured(FITTED[:3], ground)
-        np.testing.assert_allclose(points.predicted[0], expected, rtol=1e-6)
+    study = study_in(tmp_path, text)
+    flows = PowerNucleus(nucleus_exponent=1.5), FluidityRate(gamma_v=4.0)
+    for variant, flow in zip(study.variants, flows, strict=True):
+        expected = results_of_model(FEW, Soil(flow=flow, c_v=2.0))
+        assert_predicts(study, variant, expected)
     assert study.variants[1].name == "flow FluidityRate, gamma_v 4.0"
 
 
@@ -336,60 +236,41 @@ c_v = {}
 by = "campaign"
 prior = { mean = 0.3, sd = 0.05 }
 """
-    path = write_study(tmp_path, text)
-    rates, campaigns = (3.0, 5.0, 8.0), ("a", "b", "a")
-    rows = [(*r, *x) for r, *x in zip(ROWS, rates, campaigns, strict=True)]
-    names = (*COLUMNS, *SIGMA, "my_rate", "campaign")
-    write_rows(tmp_path / "tests.csv", names, rows)
-    study = read_study(path)
-    points, objective = predicted_by(study, study.variants[0], [2.0, 0.2, 0.4])
+    rates = [3.0, 5.0, 8.0]
+    study = study_in(tmp_path, text, my_rate=rates, campaign=["a", "b", "a"])
+    objective, x = of_variant(study, study.variants[0], [2.0, 0.2, 0.4])
+    points = objective(x)
     assert objective.model.engine == "machine code"
-    law = study.tests.base.soil.flow
-    flow = type(law)(my_rate=np.array(rates), my_limit=np.array([0.2, 0.4, 0.2]))
-    expected = measured(FITTED[:3], Soil(flow=flow, c_v=2.0))
-    np.testing.assert_allclose(points.predicted[0], expected, rtol=1e-6)
-    step = np.zeros((1, 3))
-    step[0, 1] = 1e-4
-    change = [objective(points.x + s).predicted[0] for s in (step, -step)]
-    differences = (change[0] - change[1]) / 2e-4
-    np.testing.assert_allclose(points.jacobian[0, :, :, 1], differences, rtol=1e-2)
+    law = type(study.tests.base.soil.flow)
+    flow = law(my_rate=np.array(rates), my_limit=np.array([0.2, 0.4, 0.2]))
+    expected = results_of_model(FEW, Soil(flow=flow, c_v=2.0))
+    np.testing.assert_allclose(points.predicted[0].T, [*expected.values()], rtol=1e-6)
+    step = 1e-4 * np.eye(3)[[1]]
+    ahead, back = (objective.values(x + s).predicted[0] for s in (step, -step))
+    slope = (ahead - back) / 2e-4
+    np.testing.assert_allclose(points.jacobian[0, :, :, 1], slope, rtol=1e-2)
 
 
 def test_shapes_of_tests(tmp_path):
     """A column of shapes, and one shape for all of them."""
     prism = RectangularPrism(corner_radius_ratio=0.4, aspect_ratio=1.5)
     text = 'data = "tests.csv"\n[parameters]\nc_v = {}\n'
-    path = write_study(tmp_path, text)
-    rows = [(*row, "RectangularPrism", "0.4", "1.5") for row in ROWS[:2]]
-    rows.append((*ROWS[2], "EllipticCylinder", "", "1.2"))
-    names = (*COLUMNS, *SIGMA, "shape", "corner_radius_ratio", "aspect_ratio")
-    write_rows(tmp_path / "tests.csv", names, rows)
-    study = read_study(path)
-    points, _ = predicted_by(study, study.variants[0], [2.0])
-    masses = [np.array([float(mass)]) for mass, *_ in FITTED[:3]]
-    shapes = prism, prism, EllipticCylinder(aspect_ratio=1.2)
-    expected = [
-        measured([row], Soil(c_v=2.0), Block(mass=mass, shape=shape))[0]
-        for row, mass, shape in zip(FITTED, masses, shapes, strict=False)
-    ]
-    np.testing.assert_allclose(points.predicted[0], expected, rtol=1e-5)
+    study = study_in(
+        tmp_path,
+        text,
+        shape=["RectangularPrism", "RectangularPrism", "EllipticCylinder"],
+        corner_radius_ratio=[0.4, 0.4, ""],
+        aspect_ratio=[1.5, 1.5, 1.2],
+    )
+    soil, cylinder = Soil(c_v=2.0), EllipticCylinder(aspect_ratio=1.2)
+    prisms = results_of_model(FEW, soil, shape=prism)
+    cylinders = results_of_model(FEW, soil, shape=cylinder)
+    expected = {name: [*prisms[name][:2], cylinders[name][2]] for name in prisms}
+    assert_predicts(study, study.variants[0], expected, rtol=1e-5)
     # Held for all, where no table says it.
     block = '[block]\nshape = "RectangularPrism"\ncorner_radius_ratio = 0.4\n'
-    write_study(tmp_path, text + block + "aspect_ratio = 1.5\n", ROWS)
-    study = read_study(path)
-    points, _ = predicted_by(study, study.variants[0], [2.0])
-    np.testing.assert_allclose(points.predicted[0, :2], expected[:2], rtol=1e-5)
-
-
-def test_a_shape_stands_in_one_place(tmp_path, capsys):
-    path = write_study(tmp_path, STUDY + '[block]\nshape = "EllipticCylinder"\n')
-    write_rows(
-        tmp_path / "tests.csv",
-        (*COLUMNS, *SIGMA, "shape"),
-        [(*row, "Ellipsoid") for row in ROWS],
-    )
-    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
-    assert_one_line_error(capsys, "block.shape", "stands in tests.csv too")
+    study = study_in(tmp_path, text + block + "aspect_ratio = 1.5\n")
+    assert_predicts(study, study.variants[0], prisms, rtol=1e-5)
 
 
 def test_the_next_test_of_a_law(found):

@@ -6,11 +6,8 @@ import json
 import numpy as np
 import pytest
 from calibration_studies import write_study_of
-from error_messages import assert_one_line_error
 
-from jaximpact.calibration import read_study
 from jaximpact.cli import main
-from jaximpact.errors import InputError
 
 STUDY = """
 data = "tests.csv"
@@ -82,25 +79,3 @@ def test_a_study_compares_laws(tmp_path, capsys):
     assert "Laws compared: Halving predicts a test that it has not seen" in " ".join(
         text.split()
     )
-
-
-@pytest.mark.parametrize(
-    ("table", "words"),
-    [
-        ("laws = 3", "must be a name or a list of names, but is 3"),
-        ("law = ['model']", "did you mean laws"),
-    ],
-)
-def test_a_table_that_cannot_be_read_is_refused(table, words, tmp_path):
-    text = f'data = "tests.csv"\n[compare]\n{table}\n'
-    path = write_study_of(tmp_path, text, COLUMNS, rows())
-    with pytest.raises(InputError) as error:
-        read_study(path)
-    assert words in str(error.value)
-
-
-def test_an_unknown_law_is_refused_in_one_line(tmp_path, capsys):
-    text = STUDY.replace("Pfeiffer and Bowen", "Pfeifer")
-    path = write_study_of(tmp_path, text, COLUMNS, rows())
-    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) != 0
-    assert_one_line_error(capsys, "did you mean")

@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from error_messages import assert_one_line_error
+from slope_study import assert_refused, slope_text
 from text_files import write_changed
 
 from jaximpact import PRESETS, read_netcdf
@@ -21,29 +21,14 @@ MEAN = np.array([np.log(0.5), np.log(4.0), 0.8])
 """In the coordinates of the fit: dilatancy by half its range."""
 ROOT = np.array([[0.2, 0.0, 0.0], [-0.15, 0.1, 0.0], [0.1, 0.1, 0.3]])
 COVARIANCE = ROOT @ ROOT.T
-SLOPE = """
-count = 4000
-seed = 7
-
-[profile]
-points_m = [[0, 20], [30, 0], [80, 0]]
-
-[ground]
-from = "fit"
-
-[block]
-mass_kg = { mean = 100, sd = 5 }
-
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-speed_mps = 3
-
-[contacts]
-law = "rigid ellipsoid"
-e_contact = 0.3
-"""
-
+SLOPE = slope_text(
+    top="count = 4000\nseed = 7",
+    profile="points_m = [[0, 20], [30, 0], [80, 0]]",
+    ground='[ground]\nfrom = "fit"',
+    block="mass_kg = { mean = 100, sd = 5 }",
+    contacts='law = "rigid ellipsoid"\ne_contact = 0.3',
+)
+FROM = 'from = "fit"'
 DEFAULTS = {"rolling_friction_angle_deg": 20.0, "roughness_deg": 0.0}
 """Of a ground, as the manifest says them."""
 
@@ -58,7 +43,7 @@ def fit(**changes):
     values = values[(values[:, 2] >= 0.0) & (values[:, 2] <= 1.0)]
     # The unknowns of a fit hold what differs between campaigns too.
     values = np.insert(values, 1, 99.0, axis=1)
-    variant = {
+    variant = {key: {} for key in ("profiles", "fit", "parts")} | {
         "name": "as given",
         "soil": {"k_E": 700.0},
         "parameters": {
@@ -72,32 +57,24 @@ def fit(**changes):
             "weights": np.ones(len(values)).tolist(),
             "accuracy": dataclasses.asdict(PRESETS["balanced"]),
         },
-        "profiles": {},
-        "fit": {},
-        "parts": {},
         "uncertainty": {"inflation": 1.0},
-    } | changes
-    ranges = ((0.01, 10.0), (0.05, 500.0), (0.0, 1.0))
-    parameters = {
-        name: {"start": high, "lower": low, "upper": high, "prior": None}
-        for name, (low, high) in zip(NAMES, ranges, strict=True)
     }
-    manifest = {
+    ranges = ((0.01, 10.0), (0.05, 500.0), (0.0, 1.0))
+    empty = ("block", "parts", "tied", "nuisances", "versions")
+    manifest = {key: {} for key in empty} | {
         "soil": {"k_E": 500.0, "beta": 0.8},
-        "block": {},
-        "parts": {},
-        "tied": {},
-        "parameters": parameters,
-        "nuisances": {},
+        "parameters": {
+            name: {"start": high, "lower": low, "upper": high, "prior": None}
+            for name, (low, high) in zip(NAMES, ranges, strict=True)
+        },
         "targets": [],
         "accuracy": {"name": "balanced"},
         "seed": 0,
-        "versions": {},
     }
     return {
         "format": FORMAT,
         "title": "sand",
-        "variants": [variant],
+        "variants": [variant | changes],
         "simple_laws": [],
         "comparison": None,
         "manifest": manifest,
@@ -118,8 +95,10 @@ def write(path, content):
     (path / "fit" / "fit.json").write_text(json.dumps(content))
 
 
-def slope_with(path, *pairs):
-    return write_changed(path / "slope.toml", SLOPE, *pairs)
+def study_with(path, ground, *pairs):
+    """The study with a ground that its file says, and with replacements."""
+    pairs = (FROM, ground), *pairs
+    return read_slope_study(write_changed(path / "slope.toml", SLOPE, *pairs))
 
 
 def coordinates(study):
@@ -153,23 +132,22 @@ def test_blocks_get_soils_as_the_calibration_left_them(here):
 
 def test_neither_the_count_nor_other_draws_matter(here):
     whole = read_slope_study(here / "slope.toml")
-    few = read_slope_study(slope_with(here, ("count = 4000", "count = 50")))
+    few = study_with(here, FROM, ("count = 4000", "count = 50"))
     for name in NAMES:
         np.testing.assert_array_equal(
             few.inputs.ground_samples[name], whole.inputs.ground_samples[name][:50]
         )
-    plain = read_slope_study(slope_with(here, ('from = "fit"', "c_v = 1")))
+    plain = study_with(here, "c_v = 1")
     np.testing.assert_array_equal(plain.release.x, whole.release.x)
     np.testing.assert_array_equal(plain.release.block.mass, whole.release.block.mass)
-    other = read_slope_study(slope_with(here, ("seed = 7", "seed = 8")))
+    other = study_with(here, FROM, ("seed = 7", "seed = 8"))
     assert not np.any(
         other.inputs.ground_samples["c_v"] == whole.inputs.ground_samples["c_v"]
     )
 
 
 def test_a_parameter_that_is_said_is_held_and_the_others_follow(here):
-    said = ('from = "fit"', 'from = "fit"\nc_v = 0.8')
-    study = read_slope_study(slope_with(here, said))
+    study = study_with(here, f"{FROM}\nc_v = 0.8")
     assert set(study.inputs.ground_samples) == {"gamma_v", "dilatancy"}
     np.testing.assert_array_equal(study.profile.soil.c_v, 0.8)
     x = np.log(study.inputs.ground_samples["gamma_v"])
@@ -181,18 +159,15 @@ def test_a_parameter_that_is_said_is_held_and_the_others_follow(here):
     assert np.mean(x) == pytest.approx(mean, abs=error * deviation + 0.01)
     assert np.std(x) == pytest.approx(deviation, rel=error + 0.03)
     # Block by block, where it differs from block to block.
-    said = ('from = "fit"', 'from = "fit"\nc_v = { from = 0.4, to = 1.2 }')
-    study = read_slope_study(slope_with(here, said))
-    c_v, gamma_v = (np.log(study.inputs.ground_samples[name]) for name in NAMES[:2])
-    slope = np.polyfit(c_v, gamma_v, 1)[0]
-    assert slope == pytest.approx(ratio, abs=0.06)
-    said = ('from = "fit"', 'from = "fit"\nc_v = 0.5\ngamma_v = 4\ndilatancy = 0')
-    assert read_slope_study(slope_with(here, said)).inputs.ground_samples == {}
+    study = study_with(here, f"{FROM}\nc_v = {{ from = 0.4, to = 1.2 }}")
+    c_v, gamma_v, _ = coordinates(study)
+    assert np.polyfit(c_v, gamma_v, 1)[0] == pytest.approx(ratio, abs=0.06)
+    study = study_with(here, f"{FROM}\nc_v = 0.5\ngamma_v = 4\ndilatancy = 0")
+    assert study.inputs.ground_samples == {}
 
 
 def test_a_segment_may_have_its_own(here):
-    said = ('from = "fit"', 'from = "fit"\n[ground.segment.2]\nc_v = 3')
-    study = read_slope_study(slope_with(here, said))
+    study = study_with(here, f"{FROM}\n[ground.segment.2]\nc_v = 3")
     np.testing.assert_array_equal(study.ground.soil.c_v[:, 1], 3.0)
     np.testing.assert_array_equal(
         study.ground.soil.c_v[:, 0], study.inputs.ground_samples["c_v"]
@@ -240,14 +215,14 @@ def test_a_slope_is_a_group_of_its_own(here):
 
 def test_undetermined_parameters_must_be_said(here, capsys):
     content = fit()
-    told = content["variants"][0]["parameters"]["c_v"]
-    told |= {"determined": False, "reason": "the fit runs to its lower bound"}
+    reason = "the fit runs to its lower bound"
+    content["variants"][0]["parameters"]["c_v"] |= {
+        "determined": False,
+        "reason": reason,
+    }
     write(here, content)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(
-        capsys, "key ground", "must say c_v", "the fit runs to its lower bound"
-    )
-    slope_with(here, ('from = "fit"', 'from = "fit"\nc_v = 0.5'), ("4000", "20"))
+    assert_refused(capsys, f"key ground ... must say c_v ... {reason}")
+    study_with(here, f"{FROM}\nc_v = 0.5", ("4000", "20"))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     dataset = read_netcdf(here / "out" / "blocks.nc")
     assert "ground_c_v" not in dataset
@@ -258,44 +233,41 @@ def test_undetermined_parameters_must_be_said(here, capsys):
 
 
 @pytest.mark.parametrize(
-    ("said", "changes", "parts"),
+    ("message", "ground", "changes"),
     [
-        ('from = "fot"', {}, ("fot", "cannot be read")),
-        ('form = "fit"', {}, ("ground.form", "is unknown")),
-        ("from = 3", {}, ("key ground.from", "must be a text")),
-        ('variant = "a"', {}, ("ground.variant", "needs from too")),
-        ('from = "fit"\nvariant = "a"', {}, ("no variant 'a'", "'as given'?")),
-        ('from = "fit"\nc_v = 20', {}, ("c_v between 0.01 and 10", "it is 20")),
+        ("fot ... cannot be read", 'from = "fot"', {}),
+        ("ground.form ... is unknown", 'form = "fit"', {}),
+        ("key ground.from ... must be a text", "from = 3", {}),
+        ("ground.variant ... needs from too", 'variant = "a"', {}),
+        ("no variant 'a' ... 'as given'?", f'{FROM}\nvariant = "a"', {}),
+        ("c_v between 0.01 and 10 ... it is 20", f"{FROM}\nc_v = 20", {}),
         (
-            'from = "fit"\nc_v = { from = 1, to = 2, correlation_length_m = 3 }',
+            "ground.c_v ... leave out correlation_length_m",
+            f"{FROM}\nc_v = {{ from = 1, to = 2, correlation_length_m = 3 }}",
             {},
-            ("ground.c_v", "leave out correlation_length_m"),
         ),
-        ('from = "fit"', {"unknowns": ["c_v"]}, ("is no fit.json", "calibrate again")),
-        ('from = "fit"', {"draws": None}, ("is no fit.json", "calibrate again")),
+        ("is no fit.json ... calibrate again", FROM, {"unknowns": ["c_v"]}),
+        ("is no fit.json ... calibrate again", FROM, {"draws": None}),
     ],
 )
-def test_what_cannot_be_drawn_from_is_refused(here, capsys, said, changes, parts):
+def test_what_cannot_be_drawn_from_is_refused(here, capsys, message, ground, changes):
     write(here, fit(**changes))
-    slope_with(here, ('from = "fit"', said))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, *parts)
+    write_changed(here / "slope.toml", SLOPE, (FROM, ground))
+    assert_refused(capsys, message)
 
 
 def test_several_variants_need_a_name(here, capsys):
     content = fit()
     content["variants"].append(fit(name="other", soil={})["variants"][0])
     write(here, content)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    told = assert_one_line_error(capsys, "2 variants", "as given, other")
-    assert "InputError" not in told
-    said = ('from = "fit"', 'from = "fit"\nvariant = "other"')
-    study = read_slope_study(slope_with(here, said))
+    said = assert_refused(capsys, "2 variants ... as given, other")
+    assert "InputError" not in said
+    study = study_with(here, f'{FROM}\nvariant = "other"')
     np.testing.assert_array_equal(study.profile.soil.k_E, 500.0)
 
 
 def test_a_column_of_the_profile_must_not_hide_it(here, capsys):
     (here / "p.csv").write_text("x_m,y_m,c_v\n0,20,1\n30,0,0.2\n80,0,0\n")
-    slope_with(here, ("points_m = [[0, 20], [30, 0], [80, 0]]", 'csv = "p.csv"'))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "key ground.c_v", "p.csv has a column of it")
+    points = "points_m = [[0, 20], [30, 0], [80, 0]]"
+    write_changed(here / "slope.toml", SLOPE, (points, 'csv = "p.csv"'))
+    assert_refused(capsys, "key ground.c_v ... p.csv has a column of it")

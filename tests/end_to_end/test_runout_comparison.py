@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from error_messages import assert_one_line_error
+from slope_study import assert_refused
 from text_files import rows_of
 
 import jaximpact.runout.study.output  # noqa: F401, takes `simulate` before a test replaces it
@@ -42,6 +43,11 @@ aspect_ratio = [1, 1.5]
 x_m = { from = 2, to = 6 }
 clearance_m = 0.5
 speed_mps = 5
+
+[[barriers]]
+x_m = 60
+height_m = 1
+capacity_kJ = 20
 """
 CONSTANT = """
 [[contacts]]
@@ -93,45 +99,42 @@ def test_a_file_without_contacts_has_the_full_model(slope):
 
 def test_the_command_compares(slope, tmp_path, capsys):
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
-    out, err = capsys.readouterr()
-    assert "contacts by mu 0.6" in err
-    found = {path.name for path in (tmp_path / "out").iterdir()}
-    assert found == {
-        *("constant-coefficients", "mu-0-6", "mu-0-2"),
-        *("comparison.csv", "comparison_collectors.csv", "report.html"),
+    printed, said = capsys.readouterr()
+    assert "contacts by mu 0.6" in said
+    assert "Barriers by constant coefficients" in printed
+    out = tmp_path / "out"
+    assert {path.name for path in out.iterdir()} == {
+        *("constant-coefficients", "mu-0-6", "mu-0-2", "jaximpact-study.json"),
+        *("comparison.csv", "comparison_collectors.csv", "comparison_barriers.csv"),
         *("comparison.png", "comparison_collectors.png", "manifest.json"),
-        "jaximpact-study.json",
+        "report.html",
     }
-    assert not list((tmp_path / "out").glob("*/*.journal"))
-    rows = {row["law"]: row for row in rows_of(tmp_path / "out" / "comparison.csv")}
-    passages = rows_of(tmp_path / "out" / "comparison_collectors.csv")
-    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    assert not list(out.glob("*/*.journal"))
+    rows = {row["law"]: row for row in rows_of(out / "comparison.csv")}
+    passages = {
+        (row["law"], row["collector_m"], row["quantity"]): row
+        for row in rows_of(out / "comparison_collectors.csv")
+    }
+    barriers = rows_of(out / "comparison_barriers.csv")
+    laws = json.loads((out / "manifest.json").read_text())["laws"]
     for study in read_slope_studies(slope):
         # Each as it would be by itself.
-        dataset = read_netcdf(tmp_path / "out" / study.law.directory / "blocks.nc")
+        name, alone = study.law.name, out / study.law.directory
+        dataset = read_netcdf(alone / "blocks.nc")
         xr.testing.assert_equal(dataset, run_slope_study(study))
         stopped = dataset.ending.values == str(Ending.stopped)
-        row = rows[study.law.name]
-        assert int(row["stopped"]) == stopped.sum()
-        assert int(row["blocks"]) == 60
-        assert float(row["stop_x_p95_m"]) == np.percentile(
-            dataset.x_m.values[stopped], 95
-        )
-        assert float(row["max_speed_p95_mps"]) == np.percentile(
-            dataset.max_speed_mps, 95
-        )
-        at = next(
-            r
-            for r in passages
-            if r["law"] == study.law.name
-            and r["collector_m"] == "60.0"
-            and r["quantity"] == "energy_J"
-        )
-        assert float(at["p99"]) == dataset.passage_energy_J_percentiles.sel(
-            percentile=99, collector=60.0
-        )
-        assert manifest["laws"][study.law.name]["contacts"] == study.law.description
-        assert f"\n  {study.law.name} " in out
+        row = rows[name]
+        assert (int(row["stopped"]), int(row["blocks"])) == (stopped.sum(), 60)
+        x, speed = dataset.x_m.values[stopped], dataset.max_speed_mps
+        assert float(row["stop_x_p95_m"]) == np.percentile(x, 95)
+        assert float(row["max_speed_p95_mps"]) == np.percentile(speed, 95)
+        energies = dataset.passage_energy_J_percentiles.sel(collector=60.0)
+        at = passages[name, "60.0", "energy_J"]
+        assert float(at["p99"]) == energies.sel(percentile=99)
+        of_law = [row for row in barriers if row["law"] == name]
+        assert [{**r, "law": name} for r in rows_of(alone / "barriers.csv")] == of_law
+        assert laws[name]["contacts"] == study.law.description
+        assert f"\n  {name} " in printed
 
 
 def test_a_comparison_goes_on(slope, capsys, monkeypatch):
@@ -154,27 +157,19 @@ def test_a_comparison_goes_on(slope, capsys, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("contacts", "parts"),
+    ("message", "text"),
     [
-        (CONSTANT + CONSTANT, ("contacts.name", "stands twice")),
-        (FRICTIONAL + FRICTIONAL, ("contacts.name", "'mu 0.6' stands twice")),
-        (CONSTANT + FRICTIONAL.replace("mu 0.6", "?"), ("needs a letter",)),
-        (CONSTANT + FRICTIONAL.replace("name", "nmae"), ("did you mean name?",)),
-        (CONSTANT.replace("e_n = 0.35", ""), ("contacts.e_n", "is needed")),
-        (CONSTANT.replace('"constant', '"konstant'), ("did you mean constant",)),
-        (CONSTANT + '[[contacts]]\nlaw = "table"\n', ("contacts.files", "is needed")),
+        ("contacts.name ... stands twice", SLOPE + CONSTANT * 2),
+        ("contacts.name ... 'mu 0.6' stands twice", SLOPE + FRICTIONAL * 2),
+        ("needs a letter", SLOPE + CONSTANT + FRICTIONAL.replace("mu 0.6", "?")),
+        ("mean name?", SLOPE + CONSTANT + FRICTIONAL.replace("name", "nmae")),
+        ("contacts.e_n ... is needed", SLOPE + CONSTANT.replace("e_n = 0.35", "")),
+        ("mean constant", SLOPE + CONSTANT.replace('"constant', '"konstant')),
+        ("files ... is needed", SLOPE + CONSTANT + '[[contacts]]\nlaw = "table"\n'),
+        ("key contacts ... must be a table", "contacts = [3]\n" + SLOPE),
+        ("key contacts ... empty list", "contacts = []\n" + SLOPE),
     ],
 )
-def test_bad_laws_are_refused_in_one_line(slope, capsys, contacts, parts):
-    slope.write_text(SLOPE + contacts)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.toml", *parts)
-
-
-def test_contacts_must_be_tables(slope, capsys):
-    slope.write_text("contacts = [3]\n" + SLOPE)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "key contacts", "must be a table")
-    slope.write_text("contacts = []\n" + SLOPE)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "key contacts", "empty list")
+def test_bad_laws_are_refused_in_one_line(slope, capsys, message, text):
+    slope.write_text(text)
+    assert_refused(capsys, f"slope.toml ... {message}")

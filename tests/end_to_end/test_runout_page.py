@@ -58,18 +58,6 @@ def test_the_slider_shows_the_blocks_in_a_bin(slope_results, tmp_path, place):
     assert re.search(r"<text [^>]*>x = 60 m</text>", shown)
 
 
-def test_pictures_differ_with_the_slider(slope_results, tmp_path):
-    file = slope_results.folder / "report.html"
-    pictures = []
-    for place in (25, 95):
-        picture = tmp_path / f"{place}.png"
-        size = "--window-size=1000,1600"
-        browse(file, tmp_path, size, f"--screenshot={picture}", place=place)
-        pictures.append(picture.read_bytes())
-    assert all(picture.startswith(b"\x89PNG") for picture in pictures)
-    assert pictures[0] != pictures[1]
-
-
 def test_what_is_folded_is_printed(tmp_path):
     """Lines of several pages, in a section that the browser shows folded."""
     page, target = tmp_path / "page.html", tmp_path / "page.pdf"

@@ -1,4 +1,9 @@
-"""Checks of error messages: one line each, in Python and on the command line."""
+"""Checks of error messages, one line each, in Python and on the command line; and of
+warnings."""
+
+import contextlib
+import re
+import warnings
 
 
 def assert_one_line(error, *parts):
@@ -19,3 +24,13 @@ def assert_one_line_error(capsys, *parts):
     for part in parts:
         assert part in last
     return err
+
+
+@contextlib.contextmanager
+def warned_once(kind, said):
+    """One warning of a kind is given, which a pattern matches; none for None."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    assert [warning.category for warning in caught] == [kind] * (said is not None)
+    assert said is None or re.search(said, str(caught[0].message))

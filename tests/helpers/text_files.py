@@ -17,6 +17,12 @@ def write_rows(path, columns, rows):
         writer.writerows(rows)
 
 
+def write_columns(path, columns):
+    """A file of columns by name; gives its path."""
+    write_rows(path, columns, zip(*columns.values(), strict=True))
+    return path
+
+
 def write_changed(path, text, *pairs):
     """A file of a text in which the first of each pair, which must stand in it once,
     has become the second; gives its path."""

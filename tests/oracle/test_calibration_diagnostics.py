@@ -1,29 +1,24 @@
-"""What is to be known of a fit: left-out tests, bands, residuals, further tests, the
-report and going on after an interrupt. Linear models have exact answers."""
+"""What is to be known of a fit: left-out tests, bands, residuals, further tests and the
+posterior. Linear models have exact answers."""
 
-import base64
 import dataclasses
-import json
-import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from calibration_studies import Linear, objective_of, write_study_of
+from calibrated_twin import results_of_model
+from calibration_studies import Linear, fit, objective_of, study_of_columns
 from error_messages import assert_one_line_error
-from scipy.optimize import lsq_linear
 from scipy.stats import lognorm
 
 from jaximpact import PRESETS
 from jaximpact.calibration import (
     Sigma,
     fit_study,
-    read_study,
     sample_posterior,
     suggest_tests,
     to_inference_data,
 )
-from jaximpact.calibration import api as run
 from jaximpact.calibration.diagnostics import importance_sampling as draws
 from jaximpact.calibration.diagnostics.cross_validation import (
     leave_out_campaigns,
@@ -38,10 +33,6 @@ from jaximpact.calibration.diagnostics.posterior import Chains, Draws
 from jaximpact.calibration.diagnostics.predictive import bands_of
 from jaximpact.calibration.diagnostics.residuals import residuals_of
 from jaximpact.calibration.diagnostics.uncertainty import estimate, regular_covariance
-from jaximpact.calibration.estimation.least_squares import bounded_step
-from jaximpact.calibration.estimation.starts import fit
-from jaximpact.calibration.problem.forward_model import models_of
-from jaximpact.calibration.problem.objective import Objective, Points
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io.files import replacing
@@ -55,22 +46,19 @@ HALF_WIDTH = 0.5 * np.log(1e6)
 """Of the range of each unknown, in x."""
 
 
-def linear(tmp_path, matrix, measured, campaigns=None):
-    """A study of a linear model, its fit (points of one lane) and uncertainty."""
+def linear(matrix, measured, campaigns=None):
+    """The objective of a linear model, its fit (points of one lane) and uncertainty."""
     tests = {"speed_mps": np.arange(len(measured)) + 1.0, "e_n": measured}
     if campaigns is not None:
         tests["campaign"] = campaigns
     names = ("c_v", "gamma_v", "k_E")[: matrix.shape[1]]
-    bounds = "{ start = 1.0, lower = 1e-3, upper = 1e3 }"
-    text = 'data = "tests.csv"\n[parameters]\n'
-    text += "".join(f"{name} = {bounds}\n" for name in names)
-    text += f"[default_sigma]\ne_n = {SIGMA}\n"
-    rows = zip(*tests.values(), strict=True)
-    study = read_study(write_study_of(tmp_path, text, tests, rows))
-    objective = Linear(study, study.variants[0], None)
-    objective.matrix = matrix
-    fits = fit(objective, np.zeros((1, matrix.shape[1])))
-    return objective, fits.points, estimate(objective, fits.points)
+    bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
+    study = study_of_columns(
+        tests, parameters=dict.fromkeys(names, bounds), default_sigma={"e_n": SIGMA}
+    )
+    objective = Linear(study, matrix=matrix)
+    points = fit(objective, np.zeros((1, matrix.shape[1]))).points
+    return objective, points, estimate(objective, points)
 
 
 def line(count, seed=0, campaigns=None):
@@ -81,49 +69,20 @@ def line(count, seed=0, campaigns=None):
     return matrix, 0.2 + 0.3 * z + noise
 
 
-def test_a_step_between_bounds_is_the_least():
-    """Against SciPy, with unknowns correlated up to 0.999999: sweeps over the unknowns
-    end far from the least there, and even above the start."""
-    random = np.random.default_rng(1)
-    for _ in range(100):
-        size = int(random.integers(2, 6))
-        scale = 10.0 ** random.uniform(-3, 0, size)
-        root = random.normal(size=(size + 1, size)) * scale
-        root = root @ (1.0 + 1e-3 * random.normal(size=(size, size)))
-        residual = random.normal(size=size + 1)
-        down = -random.random(size) * (random.random(size) < 0.7)
-        up = random.random(size)
-        points = Points(
-            *[np.zeros((1, 0))] * 2,
-            (root.T @ residual)[None],
-            (root.T @ root)[None],
-            *[np.zeros((1, 0))] * 3,
-        )
-        step, promise = bounded_step(
-            points, np.ones((1, size), bool), down[None], up[None], np.zeros(1)
-        )
-        assert np.all((step[0] >= down) & (step[0] <= up))
-        down = np.minimum(down, -1e-300)  # SciPy wants room
-        best = lsq_linear(root, -residual, (down, up), method="bvls", tol=1e-14)
-        fall = 0.5 * residual @ residual - best.cost
-        # Both add rounding; ours a part of 1e-12 to the curvature too.
-        assert promise[0] == pytest.approx(fall, rel=1e-4, abs=1e-9)
-
-
-def test_bounds_as_a_weak_prior(tmp_path):
+def test_bounds_as_a_weak_prior():
     """The second unknown has no influence: a uniform distribution over its range is
     left. On the first the bounds have next to none."""
     matrix = np.stack([np.ones(8), np.zeros(8)], axis=1)
-    objective, points, _ = linear(tmp_path, matrix, np.full(8, 0.1))
+    objective, points, _ = linear(matrix, np.full(8, 0.1))
     covariance = regular_covariance(objective, points, 1.0)
     assert covariance[1, 1] == pytest.approx((2.0 * HALF_WIDTH) ** 2 / 12.0)
     information = 8.0 / SIGMA**2 + 12.0 / (2.0 * HALF_WIDTH) ** 2
     assert covariance[0, 0] == pytest.approx(1.0 / information)
 
 
-def test_draws_of_a_normal_posterior(tmp_path):
+def test_draws_of_a_normal_posterior():
     """Their moments are those of the fit; next to all of them count."""
-    objective, points, uncertainty = linear(tmp_path, *line(20))
+    objective, points, uncertainty = linear(*line(20))
     found = draw(objective, points, 1.0, count=4000)
     assert len(found.effective_fraction) == 1
     # Student's distribution of 5 degrees of freedom for a normal one of 2: 0.924.
@@ -136,9 +95,9 @@ def test_draws_of_a_normal_posterior(tmp_path):
     assert np.all(np.abs(apart) < 0.1 * np.outer(error, error))
 
 
-def test_draws_that_do_not_count_are_drawn_again(tmp_path, monkeypatch):
+def test_draws_that_do_not_count_are_drawn_again(monkeypatch):
     """From a proposal ten times too narrow they find the posterior all the same."""
-    objective, points, uncertainty = linear(tmp_path, *line(20))
+    objective, points, uncertainty = linear(*line(20))
     narrow = np.linalg.inv(100.0 * points.hessian[0])
     monkeypatch.setattr(draws, "laplace", lambda *arguments: narrow)
     found = draw(objective, points, 1.0, count=2000)
@@ -148,9 +107,9 @@ def test_draws_that_do_not_count_are_drawn_again(tmp_path, monkeypatch):
     np.testing.assert_allclose(deviation, uncertainty.standard_errors, rtol=0.15)
 
 
-def test_draws_in_parts_are_of_the_same_posterior(tmp_path):
+def test_draws_in_parts_are_of_the_same_posterior():
     """From a first proposal that is too wide, and one that is too narrow."""
-    objective, points, uncertainty = linear(tmp_path, *line(20))
+    objective, points, uncertainty = linear(*line(20))
     for factor in (0.01, 100.0):
         other = points._replace(jacobian=np.sqrt(factor) * points.jacobian)
         about = objective, objective.reevaluate(other)
@@ -169,10 +128,10 @@ def test_draws_in_parts_are_of_the_same_posterior(tmp_path):
     assert np.min(enough.cost) < below
 
 
-def test_bands_of_a_line(tmp_path):
+def test_bands_of_a_line():
     """Against the textbook, of the line and of a measurement."""
     matrix, measured = line(20)
-    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    objective, points, uncertainty = linear(matrix, measured)
     found = bands_of(objective, draw(objective, points, 1.0, count=4000), 1.0)
     spread = np.sqrt(np.einsum("tp,pq,tq->t", matrix, uncertainty.covariance, matrix))
     width = (found.high - found.low)[:, 0]
@@ -184,9 +143,9 @@ def test_bands_of_a_line(tmp_path):
 
 
 @pytest.mark.parametrize("target", ["max_penetration_m", "final_sinking_m"])
-def test_bands_of_what_is_never_negative(tmp_path, target):
+def test_bands_of_what_is_never_negative(target):
     """Those of one draw are the quantiles of the lognormal distribution."""
-    objective, points, _ = linear(tmp_path, *line(6))
+    objective, points, _ = linear(*line(6))
     study = dataclasses.replace(objective.study, targets=(target,))
     objective.study, value = study, 0.5 * SIGMA + 0.04 * np.arange(6.0)
     one = draw(objective, points, 1.0, count=1)
@@ -201,8 +160,8 @@ def test_bands_of_what_is_never_negative(tmp_path, target):
     np.testing.assert_allclose(found.low[:, 0], value, rtol=1e-12)
 
 
-def test_bands_where_nothing_is_predicted(tmp_path):
-    objective, points, _ = linear(tmp_path, *line(6))
+def test_bands_where_nothing_is_predicted():
+    objective, points, _ = linear(*line(6))
     found = draw(objective, points, 1.0)
     gone = found.predicted.copy()
     gone[:, 2] = np.nan
@@ -212,10 +171,10 @@ def test_bands_where_nothing_is_predicted(tmp_path):
     assert np.all(np.isfinite(np.delete(bands.low, 2, axis=0)))
 
 
-def test_left_out_of_a_line(tmp_path):
+def test_left_out_of_a_line():
     """In closed form: the residual over 1 - h, and sigma / sqrt(1 - h)."""
     matrix, measured = line(12)
-    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    objective, points, uncertainty = linear(matrix, measured)
     found = leave_out_each(objective, points, uncertainty)
     hat = matrix @ np.linalg.inv(matrix.T @ matrix) @ matrix.T
     left = 1.0 - np.diag(hat)
@@ -234,7 +193,7 @@ def test_left_out_of_a_line(tmp_path):
     np.testing.assert_allclose(found.x, exact, rtol=0.0, atol=1e-2 * SIGMA)
 
 
-def test_of_many_only_the_most_telling_are_fitted(tmp_path, monkeypatch):
+def test_of_many_only_the_most_telling_are_fitted(monkeypatch):
     """For the others a Gauss-Newton step stands, which for a line is as good."""
     made = []
 
@@ -247,7 +206,7 @@ def test_of_many_only_the_most_telling_are_fitted(tmp_path, monkeypatch):
     )
     matrix, measured = line(12)
     measured[4] += 10.0 * SIGMA
-    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    objective, points, uncertainty = linear(matrix, measured)
     expected = leave_out_each(objective, points, uncertainty)
     assert 2 < len(made) < 12
     made.clear()
@@ -263,11 +222,11 @@ def test_of_many_only_the_most_telling_are_fitted(tmp_path, monkeypatch):
     assert not made
 
 
-def test_campaigns_left_out(tmp_path):
+def test_campaigns_left_out():
     """One campaign lies elsewhere: the others do not predict it, and that is said."""
     matrix, measured = line(18)
     names = np.repeat(["a", "b", "c"], 6)[np.random.default_rng(0).permutation(18)]
-    objective, points, uncertainty = linear(tmp_path, matrix, measured, names)
+    objective, points, uncertainty = linear(matrix, measured, names)
     found = leave_out_campaigns(objective, points, uncertainty)
     rest = names != "b"
     exact = np.linalg.lstsq(matrix[rest], measured[rest], rcond=None)[0]
@@ -275,49 +234,49 @@ def test_campaigns_left_out(tmp_path):
     np.testing.assert_allclose(found.x[number], exact, rtol=0.0, atol=1e-2 * SIGMA)
     assert np.mean(found.inside(measured[:, None])) > 0.8
     shifted = measured + np.where(names == "b", 1.0, 0.0)
-    objective, points, uncertainty = linear(tmp_path, matrix, shifted, names)
+    objective, points, uncertainty = linear(matrix, shifted, names)
     found = leave_out_campaigns(objective, points, uncertainty._replace(inflation=1.0))
     assert not np.any(found.inside(shifted[:, None])[names == "b"])
-    alone = linear(tmp_path, matrix, measured)
+    alone = linear(matrix, measured)
     assert leave_out_campaigns(*alone) is None
 
 
-def test_without_the_only_test_that_tells(tmp_path):
+def test_without_the_only_test_that_tells():
     """Left out, its prediction is as uncertain as the bounds are wide."""
     matrix = np.stack([np.ones(6), [0, 0, 1, 0, 0, 0]], axis=1)
-    objective, points, uncertainty = linear(tmp_path, matrix, np.full(6, 0.1))
+    objective, points, uncertainty = linear(matrix, np.full(6, 0.1))
     found = leave_out_each(objective, points, uncertainty)
     assert found.deviation[2, 0] == pytest.approx(HALF_WIDTH / np.sqrt(3.0), rel=1e-3)
     assert np.all(np.delete(found.deviation, 2) < 2.0 * SIGMA)
 
 
-def test_residuals_are_studentised(tmp_path):
+def test_residuals_are_studentised():
     """Of many repeats each has the variance 1, whatever its leverage."""
     squares = []
     for seed in range(200):
         matrix, measured = line(5, seed)
-        objective, points, _ = linear(tmp_path, matrix, measured)
+        objective, points, _ = linear(matrix, measured)
         squares.append(residuals_of(objective, points, 1.0).values[:, 0] ** 2)
     # Of 200 squares of normal numbers: 4 standard errors of 0.1.
     np.testing.assert_allclose(np.mean(squares, axis=0), 1.0, atol=0.4)
 
 
-def test_what_residuals_follow_is_found(tmp_path):
+def test_what_residuals_follow_is_found():
     """A line fitted to a parabola: no rank correlation, but neighbours are alike. Of
     pure noise nothing is said, in 95 of 100 cases."""
     z = np.linspace(-1.0, 1.0, 16)
     matrix = np.stack([np.ones(16), z], axis=1)
-    objective, points, _ = linear(tmp_path, matrix, z**2)
+    objective, points, _ = linear(matrix, z**2)
     found = residuals_of(objective, points, 1.0)
     assert {trend.against for trend in found.trends} == {"speed_mps"}
     assert abs(found.trends[0].correlation) < 0.1
     assert found.trends[0].autocorrelation > 0.6
     # The same, far below sigma: what an integration leaves, not a model.
-    objective, points, _ = linear(tmp_path, matrix, 1e-4 * SIGMA * z**2)
+    objective, points, _ = linear(matrix, 1e-4 * SIGMA * z**2)
     assert residuals_of(objective, points, 1.0).trends == []
     said = 0
     for seed in range(60):
-        objective, points, _ = linear(tmp_path, *line(16, seed))
+        objective, points, _ = linear(*line(16, seed))
         said += bool(residuals_of(objective, points, 1.0).trends)
     assert said <= 8  # 3 expected; more than 8 in one of 100
 
@@ -339,16 +298,6 @@ def test_the_best_design_of_a_parabola():
     np.testing.assert_array_equal(counts, 10)
 
 
-def test_the_best_design_of_a_line_through_the_origin():
-    """A-optimal with weights known: variances fall fastest at the end."""
-    z = np.linspace(0.1, 1.0, 10)
-    found = choose(np.eye(1), gains_of(z[:, None]), 4, "A")
-    assert found.chosen == [9] * 4
-    np.testing.assert_allclose(
-        found.covariances[:, 0, 0], [1, 1 / 2, 1 / 3, 1 / 4, 1 / 5]
-    )
-
-
 def test_a_and_d_differ_where_they_should():
     """Two unknowns, one known ill: A looks after the ill-known one, D after whichever
     can be improved by the larger factor."""
@@ -364,128 +313,61 @@ def test_a_and_d_differ_where_they_should():
 
 # --- Impacts. ---
 
-TESTS = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0), (2000.0, 10.0))
-TARGETS = ("e_n", "max_penetration_m")
-TRUE = (2.0, 5.0, 1500.0)
-STUDY = """\
-title = "A <twin> & more"
-data = "tests.csv"
-starts = 6
-accuracy = "balanced"
-[parameters]
-c_v = { start = 1.0, lower = 0.1, upper = 20.0 }
-gamma_v = { start = 10.0, lower = 0.5, upper = 100.0 }
-k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }
-[default_sigma]
-e_n = 0.01
-max_penetration_m = 0.005
-"""
-BY_ONE = "[further_tests]\ncandidates = { speed_mps = [5, 20], angle_deg = [0, 40] }\n"
+DROPS = {"mass_kg": [100.0, 500.0, 50.0, 2000.0], "speed_mps": [6.0, 15.0, 25.0, 10.0]}
+MEASURE = {"e_n": 0.01, "max_penetration_m": 0.005}
 
 
-def write_study(folder, measured=None, text=STUDY, tests=TESTS, campaigns=None):
-    measured = np.ones((len(tests), len(TARGETS))) if measured is None else measured
-    campaigns = campaigns or ["a"] * len(tests)
-    rows = [
-        (*test, name, *values)
-        for test, name, values in zip(tests, campaigns, measured, strict=True)
-    ]
-    columns = "mass_kg", "speed_mps", "campaign", *TARGETS
-    return write_study_of(folder, text, columns, rows)
-
-
-def model(folder, tests):
-    """What the model gives at the true soil."""
-    objective = objective_of(write_study(folder, tests=tests))
-    return objective(objective.bounds.coordinate(TRUE)[None]).predicted[0]
+def drops_study(drops, results=None, **changed):
+    """A study of vertical drops with the results given, else the model's."""
+    content = {
+        "starts": 2,
+        "accuracy": "balanced",
+        "soil": {"dilatancy": 0.5},
+        "parameters": {"c_v": {}, "gamma_v": {}, "k_E": {}},
+        "default_sigma": MEASURE,
+    }
+    return study_of_columns(
+        drops | (results or results_of_model(drops)), **content | changed
+    )
 
 
 @pytest.fixture(scope="module")
-def fitted(tmp_path_factory):
+def fitted():
     """The fit of a twin without noise."""
-    folder = tmp_path_factory.mktemp("twin")
-    measured = model(folder, TESTS)
-    return fit_study(read_study(write_study(folder, measured))).variants[0]
+    return fit_study(drops_study(DROPS)).variants[0]
 
 
-def test_a_gap_among_given_sigmas(tmp_path):
-    """A cell without a measurement has no sigma either; the gradient has none of it."""
-    path = write_study(tmp_path)
-    path.with_name("tests.csv").write_text(
-        "speed_mps,e_n,sigma_e_n,max_penetration_m,sigma_max_penetration_m\n"
-        "10,0.2,0.01,,\n20,0.2,0.02,0.1,0.01\n"
-    )
-    path.write_text(STUDY[: STUDY.index("[default_sigma]")])
-    objective = objective_of(path)
-    points = objective(objective.bounds.coordinate(TRUE)[None])
-    assert np.all(np.isfinite(points.gradient))
-    assert np.all(np.isfinite(points.hessian))
-
-
-def test_a_further_test_shrinks_errors_as_promised(tmp_path, fitted):
-    """Against the fit of a study that has it."""
-    sigma = {"e_n": 0.01, "max_penetration_m": 0.005}
+def test_a_further_test_shrinks_errors_as_promised(fitted):
+    """Against the fit of a study that has it; no other candidate would have done
+    better."""
     candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
-    found = suggest_tests(fitted, candidates, sigma, together=True, count=1)
-    best = found.chosen[0]
-    added = best.scene["mass_kg"], best.scene["speed_mps"]
-    tests = (*TESTS, added)
-    measured = model(tmp_path, tests)
-    objective = objective_of(write_study(tmp_path, measured, tests=tests))
-    again = fit(objective, fitted.points.x)
-    errors = estimate(objective, again.points).standard_errors
+    found = suggest_tests(fitted, candidates, MEASURE, together=True, count=1)
+    best, uncertainty = found.chosen[0], {}
+    for added in zip(*found.candidates.values(), strict=True):
+        drops = {
+            name: [*values, more]
+            for (name, values), more in zip(DROPS.items(), added, strict=True)
+        }
+        objective = objective_of(drops_study(drops))
+        points = fit(objective, fitted.points.x).points
+        uncertainty[added] = estimate(objective, points)
+        if added == tuple(best.scene.values()):
+            for place, name in enumerate(objective.study.targets):
+                expected = objective.study.measured[-1, place]
+                assert best.predicted[name] == pytest.approx(expected, rel=1e-3)
     # The bounds, as a prior, add 1e-3; derivatives are to 1e-3 at this accuracy.
+    errors = uncertainty[tuple(best.scene.values())].standard_errors
     np.testing.assert_allclose(best.errors, errors, rtol=1e-2)
-    for name, place in zip(TARGETS, range(2), strict=True):
-        assert best.predicted[name] == pytest.approx(measured[-1, place], rel=1e-3)
-    # No other candidate would have done better.
-    volumes = []
-    for other in zip(*found.candidates.values(), strict=True):
-        measured = model(tmp_path, (*TESTS, other))
-        path = write_study(tmp_path, measured, tests=(*TESTS, other))
-        objective = objective_of(path)
-        covariance = estimate(objective, objective(fitted.points.x)).covariance
-        volumes.append(np.linalg.slogdet(covariance)[1])
-    places = list(zip(*found.candidates.values(), strict=True))
-    assert places[int(np.argmin(volumes))] == added
+    volumes = [np.linalg.slogdet(u.covariance)[1] for u in uncertainty.values()]
+    assert [*uncertainty][np.argmin(volumes)] == tuple(best.scene.values())
 
 
-def test_errors_are_those_of_repeated_noise(tmp_path, fitted):
-    """Brute force: the scatter of refits to 60 noisy repeats, with the test that was
-    suggested, is what was promised."""
-    sigma = np.array([0.01, 0.005])
-    measure = dict(zip(TARGETS, sigma, strict=True))
-    candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
-    best = suggest_tests(fitted, candidates, measure, together=True, count=1).chosen[0]
-    tests = (*TESTS, (best.scene["mass_kg"], best.scene["speed_mps"]))
-    measured = model(tmp_path, tests)
-    random = np.random.default_rng(0)
-    study = read_study(write_study(tmp_path, measured, tests=tests))
-    # A tenth of the noise, so that the model is linear over it.
-    study = dataclasses.replace(study, sigma=0.1 * study.sigma)
-    ends = []
-    for _ in range(60):
-        noisy = measured + 0.1 * sigma * random.normal(size=measured.shape)
-        repeat = dataclasses.replace(study, measured=noisy)
-        objective = Objective(repeat, repeat.variants[0], models_of(repeat)[0])
-        ends.append(fit(objective, fitted.points.x).points.x[0])
-    scatter = np.std(ends, axis=0, ddof=1)
-    # The standard deviation of 60 is known to 9 %: 3.5 of that.
-    np.testing.assert_allclose(scatter, 0.1 * best.errors, rtol=0.32)
-
-
-def test_further_tests_where_data_determine_nothing(tmp_path):
+def test_further_tests_where_data_determine_nothing():
     """One vertical drop, one number: the bounds stand in for data, and it is said."""
-    tests = (TESTS[1],)
-    measured = model(tmp_path, tests)
-    measured[:, 1] = np.nan
-    text = STUDY.replace("max_penetration_m = 0.005\n", "")
-    path = write_study(tmp_path, measured, text, tests)
-    path.with_name("tests.csv").write_text(
-        f"mass_kg,speed_mps,e_n\n500,15,{measured[0, 0]:.17g}\n"
-    )
-    variant = fit_study(read_study(path)).variants[0]
-    found = suggest_tests(variant, {"speed_mps": [5.0, 30.0]}, {"e_n": 0.01})
+    drop, sigma = {"mass_kg": [500.0], "speed_mps": [15.0]}, {"e_n": 0.01}
+    results = {"e_n": results_of_model(drop)["e_n"]}
+    variant = fit_study(drops_study(drop, results, default_sigma=sigma)).variants[0]
+    found = suggest_tests(variant, {"speed_mps": [5.0, 30.0]}, sigma)
     assert set(found.stood_in) >= {"c_v", "gamma_v"}
     assert np.all(np.isfinite(found.now))
     widest = 2.0 * np.max(variant.bounds.half) / np.sqrt(12.0)
@@ -498,53 +380,13 @@ def test_further_tests_where_data_determine_nothing(tmp_path):
 
 
 def test_candidates_without_a_result_are_counted(fitted):
-    """A block that moves away from the ground has no impact."""
-    sigma = {"e_n": 0.01}
-    found = suggest_tests(
-        fitted, {"slope_deg": [0.0], "angle_deg": [0.0, 30.0]}, sigma, count=1
-    )
-    assert found.left_out == 0
-    found = suggest_tests(fitted, {"angle_deg": [0.0, 30.0]}, {"e_t": 0.01}, count=1)
+    candidates = {"angle_deg": [0.0, 30.0]}
+    assert suggest_tests(fitted, candidates, {"e_n": 0.01}, count=1).left_out == 0
+    found = suggest_tests(fitted, candidates, {"e_t": 0.01}, count=1)
     assert found.left_out == 1  # e_t has no meaning along the normal
     assert found.volumes[0, 0] == 1.0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (dict(candidates={"sped_mps": [1.0]}), "did you mean speed_mps"),
-        (dict(candidates={"k_E": [1.0]}), "is fitted"),
-        (dict(candidates={"speed_mps": [-1.0]}), "above 0 m/s"),
-        (dict(candidates={"speed_mps": "fast"}), "must hold numbers"),
-        (dict(measure={"en": 0.1}), "did you mean e_n"),
-        (dict(measure={"e_n": 0.0}), "sigma above 0"),
-        (dict(criterion="E"), "must be D or A"),
-        (dict(count=0), "at least 1"),
-    ],
-)
-def test_bad_candidates(fitted, arguments, words):
-    with pytest.raises(InputError, match=words):
-        suggest_tests(fitted, **arguments)
-
-
-BAD = {
-    "key": ("candidats = {}", ("further_tests.candidats", "candidates")),
-    "axis": ("candidates = { sped_mps = [1] }", ("candidates.sped_mps", "speed_mps")),
-    "value": ("candidates = { speed_mps = [0] }", ("candidates.speed_mps", "above 0")),
-    "fitted": ("candidates = { c_v = [1] }", ("candidates.c_v", "is fitted")),
-    "result": ("measure = { en = 0.1 }", ("measure.en", "e_n")),
-    "sigma": ("measure = { e_n = 0 }", ("measure.e_n", "above 0")),
-    "part": ("measure = { e_n = { rel = 1 } }", ("measure.e_n.rel", "relative")),
-    "count": ("count = 0", ("count", "at least 1")),
-    "criterion": ('criterion = "E"', ("criterion", "D, A")),
-}
-
-
-@pytest.mark.parametrize(("wrong", "parts"), BAD.values(), ids=BAD)
-def test_bad_further_tests_are_one_line(tmp_path, capsys, wrong, parts):
-    path = write_study(tmp_path, text=f"{STUDY}[further_tests]\n{wrong}\n")
-    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
-    assert_one_line_error(capsys, "study.toml", *parts)
+    with pytest.raises(InputError, match="must be D or A"):
+        suggest_tests(fitted, criterion="E")
 
 
 def test_a_sigma_in_words():
@@ -552,113 +394,10 @@ def test_a_sigma_in_words():
     assert str(Sigma(relative=0.1)) == "10 %"
 
 
-# --- The report. ---
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """A noisy twin of two campaigns with a parameter that nothing depends on, and its
-    files; interrupted once, which leaves none behind."""
-    folder = tmp_path_factory.mktemp("report")
-    measured = model(folder, TESTS)
-    measured = measured * (
-        1.0 + 0.02 * np.random.default_rng(3).normal(size=measured.shape)
-    )
-    text = STUDY.replace(
-        "k_E = {", "alpha_vR = { start = 1.0, lower = 0.1, upper = 9 }\nk_E = {"
-    )
-    path = write_study(folder, measured, text + BY_ONE, campaigns=["a", "b"] * 2)
-    out = folder / "out"
-
-    def interrupt(*arguments, **named):
-        raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(run, "examine", interrupt)
-        code = main(["calibrate", str(path), "--out", str(out)])
-    assert code == 130
-    assert [path.name for path in out.iterdir()] == ["jaximpact-study.json"]
-    assert main(["calibrate", str(path), "--out", str(out)]) == 0
-    return out
-
-
-def test_the_files_are_there(written):
-    assert sorted(p.name for p in written.iterdir()) == [
-        *("fit.json", "fitted.csv", "jaximpact-study.json", "report.html")
-    ]
-
-
-def test_the_page_needs_nothing_else(written):
-    text = (written / "report.html").read_text()
-    images = re.findall(r'<img src="data:image/png;base64,([^"]*)" alt="[^"]+">', text)
-    assert len(images) == text.count("<img") > 8
-    for data in images:
-        assert base64.b64decode(data, validate=True).startswith(b"\x89PNG")
-    assert not re.findall(r"href\s*=|url\(|@import|fetch\(|https?://", text)
-    assert "A &lt;twin&gt; &amp; more" in text
-
-
-def test_the_page_says_what_is_not_determined(written):
-    text = (written / "report.html").read_text()
-    verdict = text[text.index('class="verdict"') :]
-    verdict = verdict[: verdict.index("</div>")]
-    assert "alpha_vR is not identifiable" in verdict
-    rows = re.findall(r"<tr><td[^>]*>alpha_vR</td>(.*?)</tr>", text)
-    parameters, _ = rows  # and the correlation
-    assert "not identifiable" in parameters
-    assert "all values between the bounds" in parameters
-    assert "%)" not in parameters
-    assert "alpha_vR" not in verdict.split("The tests identify")[1].split("</p>")[0]
-
-
-def test_numbers_of_the_report(written):
-    content = json.loads((written / "fit.json").read_text())
-    (variant,) = content["variants"]
-    assert variant["left_out"]["campaign"]["groups"] == ["a", "b"]
-    assert len(variant["left_out"]["test"]["predicted"]) == len(TESTS)
-    further = variant["further_tests"]["all_results"]
-    assert len(further["chosen"]) == 3
-    assert set(further["chosen"][0]["scene"]) == {"speed_mps", "angle_deg"}
-    rows = [x.split(",") for x in (written / "fitted.csv").read_text().splitlines()]
-    head, first = rows[:2]
-    cells = dict(zip(head, first, strict=True))
-    assert float(cells["low"]) < float(cells["model_low"]) < float(cells["model_high"])
-    assert float(cells["left_out_deviation"]) >= float(cells["sigma"])
-    assert len(rows) == 1 + len(TESTS) * len(TARGETS)
-
-
-FEW = {
-    "one measurement": ("500,15,0.2,", "Best identifiable combination"),
-    "limits alone": (
-        "500,15,<0.3,>0.1\n500,25,>0.05,<0.5",
-        "No combination of them is identifiable",
-    ),
-}
-
-
-@pytest.mark.parametrize(("rows", "words"), FEW.values(), ids=FEW)
-def test_a_report_of_next_to_nothing(tmp_path, capsys, rows, words):
-    (tmp_path / "tests.csv").write_text(
-        f"mass_kg,speed_mps,e_n,max_penetration_m\n{rows}\n"
-    )
-    head = STUDY.replace("starts = 6", "starts = 2")
-    if ",>0.1" not in rows:
-        head = head.replace("[parameters]", 'targets = ["e_n"]\n[parameters]', 1)
-    (tmp_path / "study.toml").write_text(head[: head.index("[default_sigma]")])
-    out = tmp_path / "out"
-    assert main(["calibrate", str(tmp_path / "study.toml"), "--out", str(out)]) == 0
-    report = capsys.readouterr().out
-    assert "No parameter is identifiable" in report
-    assert words in " ".join(report.split())
-    table = report.split("  bounds\n")[1].split("\n\n")[0]
-    assert table.count("not identifiable") == 3
-    json.loads((out / "fit.json").read_text())
-
-
-def test_the_known_combination_of_one_number(tmp_path):
+def test_the_known_combination_of_one_number():
     """One sum is measured, to 5 %: its eigenvalue is exact, whatever is not known."""
     matrix = np.array([[3.0, 4.0, 0.0]])
-    _, _, found = linear(tmp_path, matrix, [0.5])
+    _, _, found = linear(matrix, [0.5])
     np.testing.assert_allclose(found.eigenvalues, [0.0, 0.0, 25.0 / SIGMA**2])
     np.testing.assert_allclose(np.abs(found.eigenvectors[:, 2]), [0.6, 0.8, 0.0])
 
@@ -684,8 +423,8 @@ def summary(mean, deviation, effective=np.inf):
     )
 
 
-def test_which_to_believe(tmp_path):
-    objective, points, uncertainty = linear(tmp_path, *line(20))
+def test_which_to_believe():
+    objective, points, uncertainty = linear(*line(20))
     found = draw(objective, points, 1.0, count=4000)
     best, error = points.x[0], uncertainty.standard_errors
     known = [Verdict("c_v", True, ""), Verdict("gamma_v", True, "")]
@@ -715,10 +454,10 @@ def test_which_to_believe(tmp_path):
     assert "agree on c_v," in second
 
 
-def test_draws_whose_costs_are_rough_are_computed_again(tmp_path):
+def test_draws_whose_costs_are_rough_are_computed_again():
     """Errors of a coarse accuracy are found, and gone in the weights; those that no
     accuracy takes away are told."""
-    objective, points, _ = linear(tmp_path, *line(20))
+    objective, points, _ = linear(*line(20))
     plain = draw(objective, points, 1.0)
     assert plain.accuracy == draws.LADDER[0]
     assert plain.error == 0.0
@@ -735,8 +474,8 @@ def test_draws_whose_costs_are_rough_are_computed_again(tmp_path):
             )
             return predicted + error[..., None], outcomes, jacobian
 
-    rough = Rough(objective.study, objective.study.variants[0], None)
-    rough.matrix, rough.sizes = objective.matrix, (0.003, 0.0, 0.0)
+    rough = Rough(objective.study, matrix=objective.matrix)
+    rough.sizes = 0.003, 0.0, 0.0
     found = draw(rough, points, 1.0)
     assert found.accuracy == draws.LADDER[1]
     assert not found.rough
@@ -751,13 +490,18 @@ def test_nuts_agrees_with_laplace(tmp_path):
     """A twin with 2 % of noise, where the posterior is near normal, and its file."""
     pytest.importorskip("blackjax")
     arviz = pytest.importorskip("arviz")
-    tests = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0))
-    measured = model(tmp_path, tests)
+    drops = {name: values[:3] for name, values in DROPS.items()}
     random = np.random.default_rng(5)
-    noisy = measured * (1.0 + 0.02 * random.normal(size=measured.shape))
-    text = STUDY.replace("k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }\n", "")
-    text = text.replace("e_n = 0.01", "e_n = 0.002") + "[soil]\nk_E = 1500.0\n"
-    study = read_study(write_study(tmp_path, noisy, text, tests))
+    exact = np.array([*results_of_model(drops).values()]).T
+    noisy = exact * (1.0 + 0.02 * random.normal(size=exact.shape))
+    study = drops_study(
+        drops,
+        dict(zip(MEASURE, noisy.T.tolist(), strict=True)),
+        starts=6,
+        soil={"dilatancy": 0.5, "k_E": 1500.0},
+        parameters={"c_v": {}, "gamma_v": {}},
+        default_sigma=MEASURE | {"e_n": 0.002},
+    )
     variant = fit_study(study).variants[0]
     inflation = variant.uncertainty.inflation
     drawn = draw(variant.objective, variant.points, inflation)
@@ -773,9 +517,9 @@ def test_nuts_agrees_with_laplace(tmp_path):
     error = variant.uncertainty.standard_errors
     mean, deviation = np.mean(samples.x, axis=0), np.std(samples.x, axis=0)
     # Of n independent normal draws the mean scatters by 1 / sqrt(n) standard
-    # deviations, the standard deviation by a part of 1 / sqrt(2 n), the correlation by
-    # less than 1 / sqrt(n): 4 of each. The draws tell how far the posterior is from
-    # normal; they scatter likewise.
+    # deviations, and the standard deviation by a part of 1 / sqrt(2 n): 4 of each. The
+    # draws of importance sampling, which tell how far the posterior is from normal,
+    # scatter likewise.
     there = drawn.effective_fraction[-1] * len(drawn.x)
     noise = 4.0 * np.sqrt(1.0 / effective + 1.0 / there)
     assert np.all(np.abs(mean - drawn.mean()) < noise * error)
@@ -783,17 +527,12 @@ def test_nuts_agrees_with_laplace(tmp_path):
     assert np.all(np.abs(deviation / drawn_deviation - 1.0) < noise / np.sqrt(2.0))
     # Of the posterior's own distance from the normal one of the standard errors: a
     # tenth of one, for 2 % of noise on what is nearly linear over it.
-    skew = 0.1
-    assert np.all(
-        np.abs(mean - variant.points.x[0]) < (4.0 / np.sqrt(effective) + skew) * error
-    )
-    assert np.all(
-        np.abs(deviation / error - 1.0) < 4.0 / np.sqrt(2.0 * effective) + skew
-    )
+    assert np.all(np.abs(mean - variant.points.x[0]) < (noise + 0.1) * error)
+    assert np.all(np.abs(deviation / error - 1.0) < noise / np.sqrt(2.0) + 0.1)
     correlation = np.corrcoef(samples.x.T)[0, 1]
     expected = variant.uncertainty.correlation[0, 1]
-    scatter = (1.0 - expected**2) / np.sqrt(np.min(effective))
-    assert abs(correlation - expected) < 4.0 * scatter + skew * (1.0 - expected**2)
+    most = (4.0 / np.sqrt(np.min(effective)) + 0.1) * (1.0 - expected**2)
+    assert abs(correlation - expected) < most
 
     with replacing(tmp_path / "posterior.nc") as temporary:
         to_inference_data(variant, samples).to_netcdf(str(temporary))
@@ -808,13 +547,13 @@ def test_nuts_agrees_with_laplace(tmp_path):
     assert data.posterior.gamma_v.attrs["units"] == "m/s"
     assert data.attrs["accuracy"] == samples.accuracy.name
     assert not np.any(data.sample_stats.diverging)
-    assert data.log_likelihood.measured.shape == (4, 150, measured.size)
+    assert data.log_likelihood.measured.shape == (4, 150, noisy.size)
     observed = data.observed_data.measured
     np.testing.assert_array_equal(observed.values, noisy.ravel())
-    assert list(observed.unit.values) == ["-", "m"] * len(tests)
+    assert list(observed.unit.values) == ["-", "m"] * 3
     assert observed.measurement.values[0].endswith(": e_n")
     predicted = data.posterior_predictive.measured.values.mean((0, 1))
-    sigma = np.tile([0.002, 0.005], len(tests))
+    sigma = np.tile([0.002, 0.005], 3)
     assert np.all(np.abs(predicted - noisy.ravel()) < 4.0 * sigma)
 
 
@@ -824,7 +563,8 @@ def test_sampling_without_the_extra(tmp_path, capsys, monkeypatch):
         "importlib.util.find_spec",
         lambda name, *rest: None if name == "blackjax" else real(name, *rest),
     )
-    path = write_study(tmp_path)
+    path = tmp_path / "tests.csv"
+    path.write_text("e_n\n0.2\n")
     code = main(["calibrate", str(path), "--out", str(tmp_path / "o"), "--posterior"])
     assert code == 2
     assert_one_line_error(capsys, "blackjax", "pip install 'jaximpact[bayes]'")

@@ -3,27 +3,22 @@ scatter. Models linear in one unknown have exact answers."""
 
 import json
 
-import jax
 import numpy as np
 import pytest
-from calibration_studies import Linear
+from calibration_studies import Linear, study_of_columns
+from calibration_studies import fitted as fitted_from
 
 from jaximpact import Block, Impact, Scene, Soil, simulate_batch
-from jaximpact.calibration import Calibration, examine, fit_study, predict, read_study
-from jaximpact.calibration.arguments import table_given
+from jaximpact.calibration import Calibration, examine, fit_study, predict
 from jaximpact.calibration.diagnostics.cross_validation import leave_out_each
 from jaximpact.calibration.diagnostics.examination import doubtful_scatter
 from jaximpact.calibration.diagnostics.further_tests import default_measure
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.sigma import SETTLED, relative_sigma, settle
-from jaximpact.calibration.estimation.starts import fit
-from jaximpact.calibration.problem.config import study_of
-from jaximpact.calibration.problem.dataset import joined_tables
+from jaximpact.calibration.estimation.sigma import SETTLED, relative_sigma
 from jaximpact.calibration.problem.noise import LEAST_SIZE, LOSSES
 from jaximpact.calibration.problem.targets import NOMINAL_SIGMA
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.files import as_json
-from jaximpact.errors import InputError
 
 PART = 0.03
 BOUNDS = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
@@ -32,20 +27,17 @@ PROPORTIONAL, CONSTANT = "proportional", "constant"
 
 def study(columns, scatter=PROPORTIONAL, **content):
     content = {"parameters": {"c_v": BOUNDS}, "scatter": scatter} | content
-    return study_of(joined_tables((table_given(columns),)), content)
+    return study_of_columns(columns, **content)
 
 
 def objective_of(slopes, measured, scatter=PROPORTIONAL, **content):
     """Of one target, predicted as x times its slopes."""
     found = study({"v_t_mps": measured}, scatter, **content)
-    objective = Linear(found, found.variants[0], None)
-    objective.matrix = np.asarray(slopes)[:, None]
-    return objective
+    return Linear(found, matrix=np.asarray(slopes)[:, None])
 
 
 def fitted(objective):
-    start = fit(objective, np.ones((1, 1)))
-    objective, best = settle(objective, start, fit)
+    objective, best = fitted_from(objective, [1.0])
     return objective, best.points
 
 
@@ -156,9 +148,7 @@ def test_targets_with_one_measurement_share_a_factor():
     }
     found = study(columns)
     order = [list(cells).index(name) for name in found.targets]
-    objective = OneEach(found, found.variants[0], None)
-    objective.matrix = slopes[:, order]
-    objective, points = fitted(objective)
+    objective, points = fitted(OneEach(found, matrix=slopes[:, order]))
     u = (points.predicted[0] - found.measured) / objective.sigma
     assert np.nansum(u**2) == pytest.approx(2.0, rel=2.0 * SETTLED)
     size = np.nanmax(np.where(found.known, np.abs(found.measured), np.nan), axis=0)
@@ -268,42 +258,6 @@ def test_one_word_for_all_that_is_estimated():
     np.testing.assert_allclose(found.sigma[:, 1], [0.05, 0.1])
 
 
-BAD = {
-    "word": (TWO, "proportinal", "scatter: must be one of .*did you mean proportional"),
-    "word of a target": (TWO, {"e_n": "const"}, r"scatter\.e_n.*did you mean constant"),
-    "no word": (TWO, {"e_n": 0.03}, r"scatter\.e_n: must be a text, but is 0.03"),
-    "number": (TWO, 0.03, "scatter: must be one of .* or a table of them"),
-    "target": (TWO, {"e_nn": CONSTANT}, r"scatter\.e_nn: is unknown.*e_n"),
-    "given": (
-        WITH_SIGMA,
-        {"e_n": PROPORTIONAL},
-        r"scatter\.e_n: .*that of e_n is given",
-    ),
-    "all given": (
-        {"e_n": [0.2], "sigma_e_n": [0.01]},
-        PROPORTIONAL,
-        "scatter: .*all are given",
-    ),
-}
-
-
-@pytest.mark.parametrize(("columns", "scatter", "words"), BAD.values(), ids=BAD)
-def test_bad_scatter(columns, scatter, words):
-    with pytest.raises(InputError, match=words):
-        study(columns, scatter)
-
-
-def test_a_study_file_says_it(tmp_path):
-    (tmp_path / "tests.csv").write_text("e_n,v_t_mps\n0.2,1.0\n0.3,2.0\n")
-    path = tmp_path / "study.toml"
-    for text, expected in (
-        ('scatter = "proportional"', [True, True]),
-        ('[scatter]\nv_t_mps = "proportional"', [False, True]),
-    ):
-        path.write_text(f'data = "tests.csv"\n{text}\n')
-        np.testing.assert_array_equal(read_study(path).proportional, expected)
-
-
 # --- Impacts. ---
 
 RANDOM = np.random.default_rng(7)
@@ -316,22 +270,13 @@ CONTENT = {"parameters": {"c_v": {}, "k_E": {}}, "starts": 3, "accuracy": "balan
 
 
 @pytest.fixture(scope="module")
-def twin():
-    """Impacts on Table 1, v_t with noise of 3 % of each value."""
-    jax.config.update("jax_enable_x64", True)
-    impact = Impact(speed=IMPACTS["speed_mps"], angle=np.deg2rad(IMPACTS["angle_deg"]))
-    scene = Scene(Block(mass=IMPACTS["mass_kg"]), Soil(), impact)
-    truth = np.asarray(simulate_batch(scene).tangential_velocity)
-    noise = np.random.default_rng(8).normal(size=24)
-    return IMPACTS | {"v_t_mps": truth * (1.0 + PART * noise)}
-
-
-@pytest.fixture(scope="module")
-def result(twin):
-    found = study_of(
-        joined_tables((table_given(twin),)), CONTENT | {"scatter": PROPORTIONAL}
-    )
-    return fit_study(found)
+def result():
+    """The fit of impacts on Table 1, v_t with noise of 3 % of each value."""
+    impact = Impact.from_degrees(IMPACTS["speed_mps"], IMPACTS["angle_deg"])
+    found = simulate_batch(Scene(Block(mass=IMPACTS["mass_kg"]), Soil(), impact))
+    noise = 1.0 + PART * np.random.default_rng(8).normal(size=24)
+    columns = IMPACTS | {"v_t_mps": np.asarray(found.tangential_velocity) * noise}
+    return fit_study(study_of_columns(columns, scatter=PROPORTIONAL, **CONTENT))
 
 
 @pytest.mark.slow

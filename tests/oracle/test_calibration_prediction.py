@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from calibration_studies import Linear
+from calibration_studies import Linear, fitted, study_of_columns
 from paths import ROOT
 from scipy.stats import norm, t
 
@@ -17,8 +17,7 @@ from jaximpact.calibration.diagnostics.importance_sampling import (
 )
 from jaximpact.calibration.diagnostics.predictive import predictive
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.sigma import freedom_of_targets, settle
-from jaximpact.calibration.estimation.starts import fit
+from jaximpact.calibration.estimation.sigma import freedom_of_targets
 from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant, read_fitted
 from jaximpact.calibration.prediction import (
     held_out_study,
@@ -27,7 +26,7 @@ from jaximpact.calibration.prediction import (
     scatter,
     unknowns,
 )
-from jaximpact.calibration.problem.config import Variant, study_of
+from jaximpact.calibration.problem.config import Variant
 from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.problem.fitted_parameters import Parameter
 from jaximpact.calibration.problem.forward_model import models_of
@@ -213,12 +212,10 @@ def linear():
     """A line fitted to six measurements, its scatter estimated."""
     noise = 0.05 * np.random.default_rng(3).normal(size=6)
     measured = LINE @ [0.2, 0.3] + noise
-    tests = joined_tables((table_given({"e_n": measured}),))
     bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
-    study = study_of(tests, {"parameters": {"c_v": bounds, "gamma_v": bounds}})
-    objective = Linear(study, study.variants[0], None)
-    objective.matrix = LINE
-    return settle(objective, fit(objective, np.zeros((1, 2))), fit)
+    parameters = {"c_v": bounds, "gamma_v": bounds}
+    study = study_of_columns({"e_n": measured}, parameters=parameters)
+    return fitted(Linear(study, matrix=LINE), np.zeros(2))
 
 
 def test_draws_with_the_scale_left_open_are_students():
@@ -275,22 +272,20 @@ NOISE = {"e_n": 0.01, "max_penetration_m": 0.005}
 REPEATS = 40
 
 
-def study_of_columns(measured):
+def study_of(measured):
     columns = {"mass_kg": MASSES, "speed_mps": SPEEDS, "angle_deg": ANGLES}
     columns |= dict(zip(NOISE, measured.T, strict=True))
-    content = {
-        "parameters": {"c_v": {"start": 1.8}, "gamma_v": {"start": 5.5}},
-        "starts": 1,
-        "accuracy": "balanced",
-    }
-    return study_of(joined_tables((table_given(columns),)), content)
+    parameters = {"c_v": {"start": 1.8}, "gamma_v": {"start": 5.5}}
+    return study_of_columns(
+        columns, parameters=parameters, starts=1, accuracy="balanced"
+    )
 
 
 def test_intervals_cover_what_is_measured_next():
     """Fits to noisy tests, again and again, scatter estimated; then the same impacts
     measured anew. Intervals of 50 and 95 % hold so many of the new measurements, and
     the model's own of 95 % hold so many of the noiseless values."""
-    study = study_of_columns(np.full((8, 2), 0.2))
+    study = study_of(np.full((8, 2), 0.2))
     engine = models_of(study)[0]
     objective = Objective(study, study.variants[0], engine)
     truth = objective(objective.bounds.coordinate(TRUE)[None]).predicted[0]
@@ -298,8 +293,8 @@ def test_intervals_cover_what_is_measured_next():
     inside, half, of_model = [], [], []
     for _ in range(REPEATS):
         noisy, anew = truth + noise * random.normal(size=(2, 8, 2))
-        study = study_of_columns(noisy)
-        objective, _, best = best_fit(Objective(study, study.variants[0], engine))
+        study = study_of(noisy)
+        objective, best, *_ = best_fit(Objective(study, study.variants[0], engine))
         uncertainty = estimate(objective, best.points)
         draws = draw(objective, best.points, uncertainty.inflation, count=128)
         bounds = objective.bounds
@@ -318,7 +313,7 @@ def test_intervals_cover_what_is_measured_next():
         ground = ground_of({}, variant)._replace(
             parameters=study.parameters, targets=study.targets, accuracy="balanced"
         )
-        new = held_out_study(ground, study_of_columns(anew).tests)
+        new = held_out_study(ground, study_of(anew).tests)
         found = predict_variant(new, ground, variant, engine)
         inside.append((anew >= found.low_95) & (anew <= found.high_95))
         half.append((anew >= found.low_50) & (anew <= found.high_50))

@@ -33,7 +33,7 @@ from jaximpact.integrator.diffrax_solvers import usable_solver
 from jaximpact.integrator.rosenbrock import ORDER, Rodas5P
 from jaximpact.integrator.single import (
     TERMS,
-    Course,
+    SolverState,
     advance,
     diffrax_arguments,
     end_of,
@@ -102,10 +102,10 @@ def machine_code_along(scene, times, solver=None):
 
     def step(state):
         lanes, widths = state
-        course, _ = advance(lanes.problem, lanes.course, lanes.time, widths[0], solver)
+        after, _ = advance(lanes.problem, lanes.state, lanes.time, widths[0], solver)
         time = lanes.time + widths[0]
         widths = jnp.concatenate([widths[1:], jnp.zeros_like(widths[:1])])
-        lanes = lanes._replace(course=course, time=time, accepted=lanes.accepted + 1)
+        lanes = lanes._replace(state=after, time=time, accepted=lanes.accepted + 1)
         return (lanes, widths), widths[0] > 0.0
 
     def finish(inputs, state):
@@ -298,13 +298,13 @@ def test_contact_in_closed_form_in_machine_code():
         def lane(stiffness, damping):
             problem = KelvinVoigt(stiffness, damping, TIGHT)
             start = problem.start
-            course = Course(start, start_fold(problem, start))
+            state = SolverState(start, start_fold(problem, start))
             zero = jnp.zeros_like(stiffness)
             until, control = step_size_controller().init(
-                TERMS, zero, TIME_LIMIT, course, None, problem, None, ORDER
+                TERMS, zero, TIME_LIMIT, state, None, problem, None, ORDER
             )
             none = jnp.zeros((), int)
-            return Lanes(problem, course, zero, until, control, zero > 0.0, none, none)
+            return Lanes(problem, state, zero, until, control, zero > 0.0, none, none)
 
         return jax.vmap(lane, out_axes=-1)(*inputs)
 

@@ -1,15 +1,13 @@
 """Comparison of laws: densities of what was left out against exact refits and closed
 forms, ties, stacking, and laws that are found in data that they made."""
 
-import threading
-from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from calibration_studies import Linear, NoModel
+from calibration_studies import Linear, study_of_columns
 from error_messages import assert_one_line
 from scipy import stats
 from scipy.optimize import minimize_scalar
@@ -23,7 +21,6 @@ from jaximpact import (
     PfeifferBowen,
 )
 from jaximpact.calibration import compare
-from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.comparison.comparison import (
     Compared,
     GroupScores,
@@ -33,7 +30,6 @@ from jaximpact.calibration.comparison.contenders import Contender
 from jaximpact.calibration.comparison.fitted_law import (
     fit_law,
     law_of_json,
-    objective_of,
     predict_law,
 )
 from jaximpact.calibration.comparison.held_out import held_out, log_densities
@@ -82,16 +78,20 @@ def columns(count=24, seed=0):
     }
 
 
-def made_by(law, count=24, seed=0, targets=("e_n", "e_t")):
-    """Tests that a law of rebound made, with noise."""
-    tests = columns(count, seed)
+def blocks_and_impacts(tests):
     impact = Impact.from_degrees(
         tests["speed_mps"],
         tests["angle_deg"],
         tests["orientation_deg"],
         tests["angular_velocity_degps"],
     )
-    block = Block(mass=tests["mass_kg"], aspect_ratio=tests["aspect_ratio"])
+    return Block(mass=tests["mass_kg"], aspect_ratio=tests["aspect_ratio"]), impact
+
+
+def made_by(law, count=24, seed=0, targets=("e_n", "e_t")):
+    """Tests that a law of rebound made, with noise."""
+    tests = columns(count, seed)
+    block, impact = blocks_and_impacts(tests)
     after = law(block, impact)
     exact = {"e_n": after.e_n(impact), "e_t": after.e_t(impact)}
     random = np.random.default_rng(seed + 1)
@@ -99,17 +99,12 @@ def made_by(law, count=24, seed=0, targets=("e_n", "e_t")):
     return tests | {name: noisy[name] for name in targets}
 
 
-def study_of(tests, **given):
-    names = ("fit", "ground", "block", "targets", "sigma", "scatter", "seed")
-    return study_given(tests, *(given.get(name) for name in names))
-
-
 @pytest.mark.parametrize("law", [PfeifferBowen, FrictionalEllipsoid])
 def test_derivatives_of_a_rebound_law(law):
     """By central differences, whose error at a step of 1e-6 is about 1e-9; kinks of the
     frictional ellipsoid are missed by these tests."""
     tests = made_by(ConstantCoefficients(0.4, 0.8), count=8)
-    objective = rebound_objective(study_of(tests), law)
+    objective = rebound_objective(study_of_columns(tests), law)
     bounds, step = objective.bounds, 1e-6
     x = bounds.at_fraction(0.37)[None]
     jacobian = objective(x).jacobian[0]
@@ -126,17 +121,11 @@ def test_derivatives_of_a_rebound_law(law):
 def test_energies_of_a_rebound_law_are_those_of_its_velocities():
     tests = columns(5)
     names = "e_bar", "R_r", "v_n_mps", "omega_radps"
-    study = study_of(tests | {name: np.ones(5) for name in names})
+    study = study_of_columns(tests | {name: np.ones(5) for name in names})
     objective = rebound_objective(study, PfeifferBowen)
     x = objective.bounds.coordinate(np.array([0.5, 0.7]))[None]
     found = dict(zip(names, objective.values(x).predicted[0].T, strict=True))
-    impact = Impact.from_degrees(
-        tests["speed_mps"],
-        tests["angle_deg"],
-        tests["orientation_deg"],
-        tests["angular_velocity_degps"],
-    )
-    block = Block(mass=tests["mass_kg"], aspect_ratio=tests["aspect_ratio"])
+    block, impact = blocks_and_impacts(tests)
     v_n, v_t, spin = PfeifferBowen(0.5, 0.7)(block, impact)
     rotation = 0.5 * block.inertia * spin**2
     after = 0.5 * block.mass * (v_n**2 + v_t**2) + rotation
@@ -153,7 +142,7 @@ def test_a_constant_coefficient_is_the_mean():
     """And a new measurement of it has Student's distribution about the mean, with the
     classical standard deviation."""
     tests = made_by(ConstantCoefficients(0.4, 0.8), targets=("e_n",))
-    study = study_of(tests)
+    study = study_of_columns(tests)
     contender = Contender("constant", ConstantCoefficients)
     found = fit_law(study, contender)
     mean, count = np.mean(tests["e_n"]), len(tests["e_n"])
@@ -195,15 +184,13 @@ def fitted_linear_model(count, sigma):
     matrix = random.normal(size=(count, 2))
     measured = matrix @ [0.5, -0.4] + sigma * random.normal(size=count)
     tests = {"speed_mps": np.linspace(5, 12, count), "e_n": measured}
-    study = study_of(
+    unknown = {"lower": 0.01, "upper": 100.0, "start": 1.0}
+    study = study_of_columns(
         tests,
-        sigma={"e_n": sigma},
-        fit={"alpha_s": {"lower": 0.01, "upper": 100.0, "start": 1.0}, "c_v": {}},
+        default_sigma={"e_n": sigma},
+        parameters={"alpha_s": unknown, "c_v": unknown},
     )
-    objective = objective_of(study, Contender("constant", ConstantCoefficients))
-    linear = Linear.__new__(Linear)
-    vars(linear).update(vars(objective))
-    linear.study, linear.model = study, NoModel()
+    linear = Linear(study)
     linear.bounds = linear.bounds._replace(
         lower=np.full(2, -1e3), upper=np.full(2, 1e3), logarithmic=np.zeros(2, bool)
     )
@@ -255,7 +242,7 @@ def test_density_of_a_test_beyond_a_jump(shift):
     inverse = np.linalg.inv(matrix[1:].T @ matrix[1:])
     middle = matrix[0] @ inverse @ matrix[1:].T @ measured[1:]
     spread = sigma * np.sqrt(matrix[0] @ inverse @ matrix[0])
-    flipping = Flipping.__new__(Flipping)
+    flipping = Flipping(linear.study)
     vars(flipping).update(vars(linear))
     flipping.first, flipping.beyond = linear.matrix[0], middle - shift * spread
     found = held_out(
@@ -279,38 +266,13 @@ def test_density_of_a_test_beyond_a_jump(shift):
 def test_the_short_way_agrees_with_exact_refits(truth):
     """One step stands for a refit where it is short: scores agree to a tenth of the
     4 below which a difference is no difference."""
-    study = study_of(made_by(truth, count=12, seed=5))
+    study = study_of_columns(made_by(truth, count=12, seed=5))
     found = fit_law(study, Contender("law", type(truth)))
     arguments = found.objective, found.points, found.uncertainty, np.arange(12)
     short, exact = (held_out(*arguments, exact=exact) for exact in (False, True))
     assert exact.refitted == 12
     assert short.refitted < 12
     assert np.sum(short.density) == pytest.approx(np.sum(exact.density), abs=0.4)
-
-
-class Together(ThreadPoolExecutor):
-    """Begins no task before all have come."""
-
-    def __init__(self, count):
-        super().__init__(count)
-        self._all = threading.Barrier(count, timeout=60.0)
-
-    def submit(self, task):
-        def run():
-            self._all.wait()
-            return task()
-
-        return super().submit(run)
-
-
-def test_an_executor_refits_all_groups_left_out_at_a_time():
-    _, _, linear, points = fitted_linear_model(6, 0.1)
-    arguments = linear, points, estimate(linear, points), np.arange(6)
-    here = held_out(*arguments, exact=True)
-    with Together(6) as linear.executor:
-        there = held_out(*arguments, exact=True)
-    np.testing.assert_array_equal(there.density, here.density)
-    np.testing.assert_array_equal(there.predicted, here.predicted)
 
 
 def test_stacking_weights_are_the_best_mixture():
@@ -478,7 +440,7 @@ def test_what_cannot_be_compared_is_refused(given, words):
 def test_laws_of_rebound_need_a_target_that_they_predict():
     tests = {"speed_mps": [5.0, 8.0], "max_penetration_m": [0.1, 0.2]}
     with pytest.raises(InputError, match="predict none of max_penetration_m"):
-        compare_study(study_of(tests), REBOUND)
+        compare_study(study_of_columns(tests), REBOUND)
 
 
 def test_parameters_without_influence_do_not_count():

@@ -3,9 +3,9 @@ figures and claims take from runs."""
 
 import numpy as np
 import pytest
-from runout_scenes import SPHERE, G, R
+from runout_scenes import SPHERE, G, R, impact_of, rows_of_records
 
-from jaximpact import Block, ConstantCoefficients, Impact, Soil, simulate
+from jaximpact import Block, ConstantCoefficients, Scene, Soil, simulate_batch
 from jaximpact.runout import (
     ClosedForm,
     FullModel,
@@ -46,9 +46,6 @@ def flying():
     return simulate_runout(slope, release, FullModel("fast"), hop_threshold=0.0)
 
 
-# --- the case
-
-
 def test_slope_is_30_degrees_as_the_paper_rounds_it():
     assert round(np.degrees(SLOPE)) == 30
     profile = BiplanarCase().profile(Soil())
@@ -86,9 +83,6 @@ def test_the_sphere_comes_down_where_its_parabola_does(runs):
     assert np.max(off_the_parabola(runs)) < 1e-9
 
 
-# --- jumps
-
-
 def test_a_sphere_that_drops_jumps_by_the_square_of_its_coefficient():
     flat = Profile([0.0, 10.0], [0.0, 0.0])
     law = ClosedForm(ConstantCoefficients(0.7, 1.0))
@@ -122,9 +116,6 @@ def test_heights_are_the_largest_on_the_way(flying):
     np.testing.assert_allclose(flights.rise, flights.height - start, atol=1e-12)
 
 
-# --- coefficients
-
-
 def test_a_law_of_constant_coefficients_has_these():
     case = BiplanarCase()
     law = ClosedForm(ConstantCoefficients(0.5, 0.8))
@@ -141,31 +132,19 @@ def test_a_law_of_constant_coefficients_has_these():
 
 @pytest.mark.slow
 def test_coefficients_before_the_climb_are_those_of_the_impact(runs):
-    """First impacts of all shapes, against `simulate`."""
+    """First impacts of all shapes, against `simulate_batch`."""
     with_climb = restitutions(runs)
     without = restitutions(runs, out_of_the_crater=False)
-    contacts = runs.contacts
-    for block in range(0, runs.release.count, len(SPINS_DEGPS)):
-        first = np.searchsorted(contacts.trajectory, block)
-        v_n = contacts.normal_velocity_before[first]
-        v_t = contacts.tangential_velocity_before[first]
-        impact = Impact(
-            speed=np.hypot(v_n, v_t),
-            angle=np.arctan2(v_t, v_n),
-            orientation=contacts.orientation[first],
-            angular_velocity=contacts.angular_velocity_before[first],
-            slope=SLOPE,
-        )
-        shape = ASPECT_RATIOS[block // len(SPINS_DEGPS)]
-        alone = simulate(Block(aspect_ratio=shape), Soil(), impact, accuracy="fast")
-        # The block touches 1e-9 of its size above the ground.
-        assert without.e_n[first] == pytest.approx(float(alone.e_n), rel=1e-6)
-        assert without.e_t[first] == pytest.approx(float(alone.e_t), rel=1e-6)
-        assert abs(with_climb.e_n[first]) < abs(without.e_n[first])
-        assert with_climb.e_t[first] < without.e_t[first]
-
-
-# --- what claims are judged by
+    blocks = np.arange(0, runs.release.count, len(SPINS_DEGPS))
+    first = np.searchsorted(runs.contacts.trajectory, blocks)
+    impact = impact_of(rows_of_records(runs.contacts, first))
+    scene = Scene(Block(aspect_ratio=ASPECT_RATIOS), Soil(), impact)
+    alone = simulate_batch(scene, accuracy="fast")
+    # The block touches 1e-9 of its size above the ground.
+    np.testing.assert_allclose(without.e_n[first], alone.e_n, rtol=1e-6)
+    np.testing.assert_allclose(without.e_t[first], alone.e_t, rtol=1e-6)
+    assert np.all(np.abs(with_climb.e_n[first]) < np.abs(without.e_n[first]))
+    assert np.all(with_climb.e_t[first] < without.e_t[first])
 
 
 @pytest.mark.slow
@@ -174,16 +153,12 @@ def test_paths_are_apart_by_what_they_are_seen_to_be(runs):
     assert apart[0] == 0.0
     heights = []
     for block in range(0, runs.release.count, len(SPINS_DEGPS)):
-        way = runs.path(block, 0.01)
-        x, y = way["x"], way["y"]
-        # Set back on the ground a block may turn back a little: the first passage
-        ends = [int(np.argmax(x >= place)) for place in COMPARED_X]
-        heights.append(
-            [
-                np.interp(place, x[end - 1 : end + 1], y[end - 1 : end + 1])
-                for place, end in zip(COMPARED_X, ends, strict=True)
-            ]
-        )
+        path = runs.path(block, 0.01)
+        # Set back on the ground a block may turn back a little: the first passage.
+        ends = [int(np.argmax(path["x"] >= place)) for place in COMPARED_X]
+        around = [slice(end - 1, end + 1) for end in ends]
+        pairs = zip(COMPARED_X, around, strict=True)
+        heights.append([np.interp(x, path["x"][k], path["y"][k]) for x, k in pairs])
     found = np.max(np.abs(np.array(heights) - heights[0]), axis=1)
     # Chords of 0.01 s lie g/8 1e-4 s2 below the path.
     np.testing.assert_allclose(apart, found, rtol=0.0, atol=1e-3)

@@ -3,6 +3,7 @@ allows, by brute force over all points and segments."""
 
 import numpy as np
 import pytest
+from circles_on_ground import heights
 
 from jaximpact.runout import Profile
 from jaximpact.runout.centre_path import CentrePath, in_small_turns
@@ -53,25 +54,6 @@ def convex(g):
 GROUNDS = (random_points, walls, notches, scan, convex)
 
 
-def heights(x, y, h, at):
-    """Heights of circles of radius h with their centres at some x on every point and
-    segment, `(2 points - 1, places)`; -inf where they cannot touch it."""
-    slope = np.diff(y) / np.diff(x)
-    cos = 1.0 / np.hypot(1.0, slope)
-    found = np.full((2 * len(x) - 1, len(at)), -np.inf)
-    apart = h**2 - (at - x[:, None]) ** 2
-    found[::2] = np.where(apart >= 0.0, y[:, None] + np.sqrt(np.abs(apart)), -np.inf)
-    foot = at + (h * slope * cos)[:, None]
-    over = (foot >= x[:-1, None]) & (foot <= x[1:, None])
-    on_line = y[:-1, None] + slope[:, None] * (foot - x[:-1, None]) + h * cos[:, None]
-    found[1::2] = np.where(over, on_line, -np.inf)
-    return found
-
-
-def highest(x, y, h, at):
-    return np.max(heights(x, y, h, at), axis=0)
-
-
 def margin(x, y, h, element):
     """Largest height of a circle on an element over those on all others [m]: a search
     on finer and finer places."""
@@ -108,19 +90,19 @@ def test_an_element_reaches_as_far_as_a_circle_on_it_is_the_highest(ground, seed
     g = np.random.default_rng(seed)
     x, y = ground(g)
     reach = reaches(x, y, LARGEST)
-    told = 0
+    compared = 0
     for h in 10.0 ** g.uniform(-1.5, np.log10(LARGEST), 4):
         for element in range(len(reach)):
             over = margin(x, y, h, element)
             # Closer than the rounding of heights of some metres nothing is told.
             if abs(over) > 1e-12:
-                told += 1
+                compared += 1
                 assert (reach[element] > h) == (over > 0.0), (
                     element,
                     h,
                     reach[element],
                 )
-    assert told > 3 * len(reach)
+    assert compared > 3 * len(reach)
 
 
 @pytest.mark.parametrize("ground", GROUNDS)
@@ -180,7 +162,7 @@ def test_the_way_ahead_is_the_path(ground, direction):
                 centre = path.elements.x[ahead.element], path.elements.y[ahead.element]
                 about = np.sqrt(np.maximum(h**2 - (along - centre[0]) ** 2, 0.0))
                 on_path = np.where(ahead.is_segment, straight, centre[1] + about)
-                dense = highest(x, y, h, direction * along)
+                dense = np.max(heights(x, y, h, direction * along), axis=0)
                 # An arc is vertical at its foot: rounding of x grows to its root.
                 little = np.where(about < 1e-3 * h, 1e-7, 1e-9)
                 assert np.all(np.abs(on_path - dense) < little)

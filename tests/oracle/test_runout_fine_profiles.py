@@ -3,7 +3,7 @@ segment, and against exact solutions."""
 
 import numpy as np
 import pytest
-from runout_scenes import ellipse
+from runout_scenes import ellipse, height_over
 
 from jaximpact import Block
 from jaximpact.runout import Profile, Release
@@ -97,7 +97,7 @@ def test_no_sphere_comes_through_the_ground():
         generator = np.random.default_rng(seed)
         profile = measured(generator, 400)
         body, outline = flights_over(generator, profile, SHAPES[0], 10)
-        above = by_distance(body.x, body.y, profile) >= outline.largest
+        above = height_over(body.x, body.y, profile) >= outline.largest
         ends = follow_flights(body, outline, profile, np.full(10, LONG))
         for lane in np.flatnonzero(above & (ends.touched | ends.left)):
             end = min(float(ends.time[lane]), 20.0)
@@ -105,19 +105,9 @@ def test_no_sphere_comes_through_the_ground():
                 [np.linspace(0.0, end, 300), end - end * np.geomspace(1e-6, 0.1, 50)]
             )
             way = fly(select(body, [lane]), times)
-            nearest = by_distance(way.x, way.y, profile)
+            nearest = height_over(way.x, way.y, profile)
             # A touch counts from a gap of 1e-9 of the radius on, and may be late so.
             assert np.min(nearest) > outline.largest[lane] * (1.0 - 3e-9)
-
-
-def by_distance(x, y, profile):
-    """Distances of points from a profile [m]; below it they are negative."""
-    start = np.stack([profile.x[:-1], profile.y[:-1]], axis=1)
-    along = np.stack([np.diff(profile.x), np.diff(profile.y)], axis=1)
-    to = np.stack([x, y], axis=1)[:, None] - start
-    part = np.clip(np.sum(to * along, axis=2) / np.sum(along**2, axis=1), 0.0, 1.0)
-    distance = np.min(np.hypot(*np.moveaxis(to - part[..., None] * along, 2, 0)), 1)
-    return np.where(profile.height(x) > y, -distance, distance)
 
 
 @pytest.mark.parametrize("shape", SHAPES[1:4], ids=shape_name)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from runout_scenes import DEAD, G
-from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
@@ -35,12 +34,6 @@ def valley(radius, steepest, spacing, friction=0.0):
         radius * (1.0 - np.cos(angle)),
         rolling_friction_angle=np.arctan(friction),
     )
-
-
-def parabola(bend, half, spacing):
-    """The valley y = bend x^2."""
-    x = np.linspace(-half, half, 2 * int(np.ceil(half / spacing)) + 1)
-    return Profile(x, bend * x**2, rolling_friction_angle=0.0)
 
 
 def rolled(profile, x, **how):
@@ -105,46 +98,6 @@ def test_large_swings_in_a_circular_valley(largest):
     assert period_of(runs) == pytest.approx(expected, rel=1e-4)
     x, _ = turning_points(runs)
     np.testing.assert_allclose(np.abs(x), path * np.sin(largest), rtol=1e-6)
-
-
-def offset_of_parabola(bend):
-    """Centre over the point x of a parabola, and the length of its path along x."""
-
-    def centre(x):
-        slope = 2.0 * bend * x
-        size = np.sqrt(1.0 + slope**2)
-        return x - R * slope / size, bend * x**2 + R / size
-
-    def length(x):
-        size = np.sqrt(1.0 + (2.0 * bend * x) ** 2)
-        return size * (1.0 - R * 2.0 * bend / size**3)
-
-    return centre, length
-
-
-@pytest.mark.parametrize("start", [-10.0, -60.0])
-def test_swings_in_a_parabolic_valley(start):
-    """Period by an integral over the path of the centre; the sphere never stops."""
-    bend = 0.005
-    centre, length = offset_of_parabola(bend)
-    top = centre(start)[1]
-
-    def rate(u):
-        x = start * np.cos(u)
-        # v^2 = 2 g (top - y)/1.4, and dx = -start sin(u) du
-        v = np.sqrt(2.0 * G * (top - centre(x)[1]) / WHOLE)
-        return -start * np.sin(u) * length(x) / v
-
-    quarter, _ = quad(rate, 1e-9, 0.5 * np.pi)
-    profile = parabola(bend, 100.0, 0.1)
-    runs = rolled(profile, centre(start)[0], time_limit=21.0 * 4.0 * quarter)
-    assert runs.ending[0] == Ending.time_limit
-    # A quarter of (h / A)^1.5, as above.
-    assert period_of(runs) == pytest.approx(4.0 * quarter, rel=2.5e-4)
-    x, y = turning_points(runs)
-    assert len(x) >= 40
-    np.testing.assert_allclose(np.abs(x), abs(centre(start)[0]), atol=1e-6)
-    np.testing.assert_allclose(y, y[0], atol=1e-9)
 
 
 @pytest.mark.parametrize("friction", [0.02, 0.1, 0.3])
@@ -219,35 +172,3 @@ def test_no_sphere_stops_on_the_rounded_toe_of_a_dam(spacing):
     on_face = (runs.ending == Ending.stopped) & (runs.x > 70.0) & (runs.x < 92.0)
     angle = np.arcsin((np.minimum(runs.x, 82.0) - 70.0) / 17.0)
     assert np.all(angle[on_face] < np.radians(15.0) + spacing / 17.0)
-
-
-@pytest.mark.parametrize("mass", [200.0, 1000.0, 3000.0])
-def test_blocks_go_down_a_stair_in_time(mass):
-    """Steps of half a metre, narrower than the blocks: all of the way is in the pieces,
-    and no centre comes higher than its energy takes it."""
-    step, count = 0.5, 60
-    x, y = [0.0], [count * step]
-    for _ in range(count):
-        x += [x[-1] + step - 0.01, x[-1] + step]
-        y += [y[-1], y[-1] - step]
-    slope = Profile([*x, x[-1] + 100.0], [*y, 0.0], rolling_friction_angle=0.35)
-    n, g = 40, np.random.default_rng(1)
-    block = Block(mass=mass, aspect_ratio=2.0)
-    release = Release(
-        block,
-        *(g.uniform(2.0, 3.0, n), 32.0, g.uniform(0.5, 3.0, n), 0.0),
-        g.uniform(0.0, 3.14, n),
-    )
-    law = ClosedForm(ConstantCoefficients(e_n=0.35, e_t=0.85))
-    runs = simulate_runout(slope, release, law)
-    assert set(runs.ending) == {Ending.stopped}
-    p = runs.pieces
-    same = p.trajectory[1:] == p.trajectory[:-1]
-    end = p.x + (p.v_x + 0.5 * p.a_x * p.duration) * p.duration
-    assert np.max(np.abs(p.x[1:] - end[:-1])[same]) < 1e-7
-    _, at = first_passages(passages(runs, 20.0), n)
-    passing = np.isfinite(at.time)
-    assert np.any(passing)
-    # A fall of 32 m less its height, all of it kept.
-    most = G * (32.0 - 10.0 - at.centre_height) + 0.5 * 3.0**2
-    assert np.all(at.energy[passing] / mass < most[passing])

@@ -14,6 +14,7 @@ import itertools
 
 import numpy as np
 import pytest
+from circles_on_ground import heights
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -73,17 +74,7 @@ class Curve:
 
     def heights(self, at):
         """Height of the centre on each point and segment."""
-        r, found = self.r, np.full((2 * len(self.x) - 1, len(at)), -np.inf)
-        apart = r**2 - (at - self.x[:, None]) ** 2
-        found[::2] = np.where(
-            apart >= 0.0, self.y[:, None] + np.sqrt(np.maximum(apart, 0.0)), -np.inf
-        )
-        foot = at - r * self.n_x[:, None]
-        over = (foot >= self.x[:-1, None]) & (foot <= self.x[1:, None])
-        slope = (self.n_x / self.n_y)[:, None]
-        on_line = self.y[:-1, None] - slope * (foot - self.x[:-1, None])
-        found[1::2] = np.where(over, on_line + r * self.n_y[:, None], -np.inf)
-        return found
+        return heights(self.x, self.y, self.r, at)
 
     def height(self, at):
         return np.max(self.heights(np.atleast_1d(at)), axis=0)

@@ -17,7 +17,6 @@ from jaximpact import (
     Soil,
     elasticities,
     read_netcdf,
-    simulate_batch,
     write_netcdf,
 )
 from jaximpact.batch import broadcast_scene
@@ -108,24 +107,6 @@ def test_derivatives_agree_with_differences_on_random_scenes(of_random_scenes):
     assert (check != Check.unchecked).all()
     # Errors of reference: 3e-8 in the median.
     assert np.median(of_random_scenes.disagreement) < 1e-6
-
-
-@pytest.mark.slow
-def test_derivatives_agree_with_differences_made_by_hand(
-    random_scenes, of_random_scenes
-):
-    step = 1e-3
-    ends = []
-    for sign in (1.0, -1.0):
-        soil = dataclasses.replace(random_scenes.soil, k_E=900.0 * (1.0 + sign * step))
-        scene = dataclasses.replace(random_scenes, soil=soil)
-        ends.append(simulate_batch(scene, accuracy="reference").max_normal_force)
-    expected = np.log(ends[0] / ends[1]) / np.log((1.0 + step) / (1.0 - step))
-    found = of_random_scenes.elasticity.sel(
-        parameter="k_E", output="max_normal_force_N"
-    )
-    # Of second order: the step squared, and more where a scene is near a kink.
-    assert np.quantile(np.abs(found - expected), 0.9) < 1e-5
 
 
 def test_a_wrong_derivative_is_called_so(monkeypatch):

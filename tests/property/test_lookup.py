@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from runout_scenes import BIPLANAR, gain_between_pieces
+from runout_scenes import BIPLANAR, assert_no_energy_gained, assert_same_bits
 from text_files import rows_of
 
 from jaximpact import Block, Impact, Outcome, Soil, simulate
@@ -33,10 +33,13 @@ from jaximpact.lookup.table import (
 from jaximpact.lookup.table_files import DIMENSIONS
 from jaximpact.lookup.tabulation import axes_of, compute
 from jaximpact.runout import FullModel, Profile, Release, simulate_runout
-from jaximpact.scene import GRAVITY
 
 SPHERE, ELONGATED = Block(), Block(aspect_ratio=2.0)
 STEEP = float(np.arctan2(230.0, 400.0))
+MANY = 10_000
+"""As many impacts as `tabulate` looks up: for another number XLA compiles again."""
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +49,8 @@ def of_sphere():
 
 @pytest.fixture(scope="module")
 def of_elongated():
-    return tabulate(ELONGATED, slopes=[STEEP], nodes=Nodes(6, 8, 17, 9))
+    slopes = np.radians(np.linspace(-89.0, 89.0, 5))
+    return tabulate(ELONGATED, slopes=slopes, nodes=Nodes(5, 6, 9, 5))
 
 
 def impacts_at(table, places):
@@ -80,28 +84,35 @@ def test_coordinates_are_taken_there_and_back(aspect_ratio):
         np.testing.assert_allclose(back, value, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("which", ["of_sphere", "of_elongated"])
 def test_at_its_nodes_a_table_is_the_model(which, request):
     table = request.getfixturevalue(which)
     generator = np.random.default_rng(2)
-    places = [generator.integers(0, n, 300) for n in table.outcomes.shape]
+    places = [generator.integers(0, n, MANY) for n in table.outcomes.shape]
     # At the pole azimuths are one.
-    places[1] = generator.integers(0, table.outcomes.shape[1] - 1, 300)
+    places[1] = generator.integers(0, table.outcomes.shape[1] - 1, MANY)
     impact = impacts_at(table, places)
     blows = compute(table.block, table.soil, impact, "fast")
     entry = look_up_many(table, impact)
-    assert np.mean(np.asarray(entry.outcome) == blows.outcome) > 0.99
     same = np.asarray(entry.outcome) == blows.outcome
+    assert np.mean(same) > 0.99
     assert len(set(blows.outcome[same])) > 1
     size = np.asarray(direction_of(table.block, impact).total_speed)[same]
     for found, model in zip(entry[:-1], blows.response, strict=True):
         error = np.abs(np.asarray(found)[same] - model[same])
         error /= 1.0 + size + np.abs(model[same])
         # Coordinates to rounding; and by rounding the model may take another step,
-        # which changes it within its tolerance.
-        assert np.quantile(error, 0.95) < 1e-9
-        assert np.max(error) < 1e-3
+        # which changes it within its tolerance: more often on faces of 89 degrees.
+        assert np.median(error) < 1e-9
+        assert np.quantile(error, 0.95) < 1e-5
+        assert np.max(error) < 1e-2
+    if which == "of_sphere":
+        error = measure_error(table, impact)
+        assert error.impacts == np.sum(blows.outcome != Outcome.failed)
+        assert error.of_90_percent < 1e-6
+        assert error.energy == pytest.approx(error.energy_of_model, rel=1e-3)
+        shifted = dataclasses.replace(table, entries=table.entries + 0.1)
+        assert measure_error(shifted, impact).median > 0.05
 
 
 def test_the_law_is_called_with_scalars_and_agrees_with_simulate(of_sphere):
@@ -114,30 +125,13 @@ def test_the_law_is_called_with_scalars_and_agrees_with_simulate(of_sphere):
         assert float(value) == pytest.approx(float(getattr(result, name)), rel=1e-3)
 
 
-@pytest.mark.slow
-def test_more_nodes_bring_a_table_nearer(of_elongated):
-    coarse = tabulate(ELONGATED, slopes=[STEEP], nodes=Nodes(3, 4, 9, 5))
-    assert of_elongated.error.median < 0.7 * coarse.error.median
-    assert of_elongated.error.of_90_percent < coarse.error.of_90_percent
-    assert of_elongated.error.wrong_outcomes < coarse.error.wrong_outcomes
+def test_more_nodes_bring_a_table_nearer(of_sphere):
+    coarse = tabulate(SPHERE, slopes=[0.0, STEEP], nodes=Nodes(4, 6, 9))
+    assert of_sphere.error.median < 0.7 * coarse.error.median
+    assert of_sphere.error.of_90_percent < coarse.error.of_90_percent
+    assert of_sphere.error.wrong_outcomes < coarse.error.wrong_outcomes
 
 
-@pytest.mark.slow
-def test_errors_of_a_table_that_is_the_model_are_none(of_sphere):
-    """Measured at the nodes themselves, and not with a shifted table."""
-    generator = np.random.default_rng(3)
-    places = [generator.integers(1, n - 1, 500) for n in of_sphere.outcomes.shape[:3]]
-    places += [np.zeros(500, int), np.zeros(500, int)]
-    impact = impacts_at(of_sphere, places)
-    error = measure_error(of_sphere, impact)
-    assert error.impacts == 500
-    assert error.of_90_percent < 1e-6
-    assert error.energy == pytest.approx(error.energy_of_model, rel=1e-3)
-    shifted = dataclasses.replace(of_sphere, entries=of_sphere.entries + 0.1)
-    assert measure_error(shifted, impact).median > 0.05
-
-
-@pytest.mark.slow
 def test_where_outcomes_meet_nothing_is_mixed(of_sphere):
     """A made-up table that is 1 for one outcome and 2 for another."""
     generator = np.random.default_rng(4)
@@ -147,14 +141,13 @@ def test_where_outcomes_meet_nothing_is_mixed(of_sphere):
         outcomes=jnp.asarray(codes),
         entries=jnp.broadcast_to(1.0 + codes[..., None], of_sphere.entries.shape),
     )
-    entry = look_up_many(table, random_impacts(table, 2000))
+    entry = look_up_many(table, random_impacts(table, MANY))
     np.testing.assert_allclose(entry.duration, 1.0 + np.asarray(entry.outcome))
     assert set(np.asarray(entry.outcome)) == {0, 1}
 
 
-@pytest.mark.slow
 def test_a_block_looks_the_same_after_half_a_turn(of_elongated):
-    impact = random_impacts(of_elongated, 500)
+    impact = random_impacts(of_elongated, MANY)
     turned = dataclasses.replace(impact, orientation=impact.orientation + np.pi)
     one, other = look_up_many(of_elongated, impact), look_up_many(of_elongated, turned)
     same = np.asarray(one.outcome) == np.asarray(other.outcome)
@@ -164,11 +157,10 @@ def test_a_block_looks_the_same_after_half_a_turn(of_elongated):
         assert np.quantile(np.abs(a - b), 0.99) < 1e-6
 
 
-@pytest.mark.slow
-def test_derivatives_are_those_of_the_table(of_elongated):
+def test_derivatives_are_those_of_the_table(of_sphere):
     def after(speed):
         impact = Impact(speed=speed, angle=0.7, orientation=0.4, slope=STEEP)
-        return of_elongated(ELONGATED, impact).tangential_velocity
+        return of_sphere(SPHERE, impact).tangential_velocity
 
     step = 1e-4
     difference = (after(13.0 + step) - after(13.0 - step)) / (2.0 * step)
@@ -210,7 +202,6 @@ def released(block, count):
     )
 
 
-@pytest.mark.slow
 def test_spheres_run_as_far_by_a_table_as_by_the_model(of_sphere):
     """Quartiles of 400 run-outs. The table is right to 1 % of the speed; they differ
     by some 100 m among themselves."""
@@ -224,94 +215,73 @@ def test_spheres_run_as_far_by_a_table_as_by_the_model(of_sphere):
     assert contacts[1] == pytest.approx(contacts[0], rel=0.25)
 
 
-@pytest.mark.slow
-def test_interpolated_impacts_give_no_energy():
+def test_interpolated_impacts_give_no_energy(of_elongated):
     """From piece to piece of run-outs by a coarse table, of blocks that tumble over
     teeth of 45 degrees. Without a limit they gain what lifts them by 0.24 m."""
-    block = Block(mass=100.0, aspect_ratio=2.0)
-    slopes = np.radians(np.linspace(-89.0, 89.0, 5))
-    table = tabulate(block, slopes=slopes, nodes=Nodes(5, 6, 9, 5))
     x = np.arange(0.0, 60.0, 1.5)
     profile = Profile(x, 60.0 - x + 1.5 * (np.arange(len(x)) % 2))
-    blocks = jax.tree.map(lambda leaf: np.full(200, leaf), block)
     generator = np.random.default_rng(6)
     release = Release(
-        blocks,
+        ELONGATED,
         np.full(200, 2.0),
         generator.uniform(63.0, 70.0, 200),
         generator.uniform(0.0, 20.0, 200),
         angular_velocity=generator.uniform(-20.0, 60.0, 200),
     )
-    runs = simulate_runout(profile, release, Tabulated(table))
-    gain, mass = gain_between_pieces(runs)
-    # of a lift by 1e-7 m: a touch may be early by 1e-9 of the block
-    assert np.max(gain / (mass * GRAVITY)) < 1e-7
+    runs = simulate_runout(profile, release, Tabulated(of_elongated))
+    assert_no_energy_gained(runs)
     assert len(runs.contacts.time) > 400
 
 
-@pytest.mark.slow
 def test_a_trajectory_does_not_depend_on_the_others(of_sphere):
     release = released(SPHERE, 60)
     alone, together = (
         simulate_runout(BIPLANAR, release, Tabulated(of_sphere), width=width)
         for width in (7, 60)
     )
-    np.testing.assert_array_equal(alone.x, together.x)
-    np.testing.assert_array_equal(alone.contacts.time, together.contacts.time)
+    assert_same_bits(alone, together)
 
 
-@pytest.mark.slow
 def test_every_block_finds_its_table(of_sphere, of_elongated):
-    impact = Impact(speed=np.full(4, 10.0), angle=np.full(4, 0.5))
-    impact = dataclasses.replace(
-        impact,
-        **{n: np.full(4, v) for n, v in (("orientation", 0.3), ("slope", STEEP))},
-    )
-    impact = dataclasses.replace(impact, angular_velocity=np.zeros(4))
+    one = Impact(speed=10.0, angle=0.5, orientation=0.3, slope=STEEP)
+    impact = jax.tree.map(lambda value: np.full(4, value), one)
     block = Block(aspect_ratio=np.array([1.0, 2.0, 1.0, 2.0]))
     blows = Tabulated([of_elongated, of_sphere])(block, Soil(), impact)
-    one = Impact(speed=10.0, angle=0.5, orientation=0.3, slope=STEEP)
     for k, table in enumerate((of_sphere, of_elongated)):
         expected = table.look_up(one)
-        for lane in (k, k + 2):
-            assert blows.response.duration[lane] == pytest.approx(
-                float(expected.duration)
-            )
-            assert blows.outcome[lane] == expected.outcome
+        duration = blows.response.duration[k::2]
+        np.testing.assert_allclose(duration, float(expected.duration), rtol=1e-6)
+        np.testing.assert_array_equal(blows.outcome[k::2], expected.outcome)
     with pytest.raises(InputError, match="no table was made for a block of 100 kg"):
         Tabulated(of_sphere)(block, Soil(), impact)
     with pytest.raises(InputError, match="no table was made"):
         Tabulated(of_sphere)(SPHERE, Soil(gamma_v=1.7), impact)
+    with pytest.raises(InputError, match="at least one table"):
+        Tabulated([])
 
 
-@pytest.mark.slow
-def test_a_table_is_read_as_it_was_written(of_elongated, tmp_path):
+def test_a_table_is_read_as_it_was_written(of_sphere, tmp_path):
     path = tmp_path / "table.nc"
-    write_table(path, of_elongated)
+    write_table(path, of_sphere)
     read = read_table(path)
-    assert read.error == of_elongated.error
-    assert read.accuracy == of_elongated.accuracy
-    for a, b in zip(jax.tree.leaves(read), jax.tree.leaves(of_elongated), strict=True):
+    assert read.error == of_sphere.error
+    assert read.accuracy == of_sphere.accuracy
+    for a, b in zip(jax.tree.leaves(read), jax.tree.leaves(of_sphere), strict=True):
         # Angles of the soil are written in degrees.
         np.testing.assert_allclose(a, b, rtol=1e-14)
     # And is known as that of the same block and ground.
-    Tabulated(read)(
-        ELONGATED, Soil(), jax.tree.map(np.asarray, random_impacts(read, 3))
-    )
-
-
-@pytest.mark.slow
-def test_a_table_of_other_coordinates_is_refused(of_elongated, tmp_path):
-    path = tmp_path / "table.nc"
-    write_table(path, of_elongated)
+    impact = jax.tree.map(lambda value: np.full(3, value), Impact(speed=9.0))
+    Tabulated(read)(SPHERE, Soil(), impact)
     dataset = read_netcdf(path)
-    dataset.attrs["slip_factor"] = "3.0"
+    dataset.attrs["slip_factor"] = "2.0"
     write_netcdf(path, dataset)
-    with pytest.raises(InputError, match=r"another factor than 0\.5; tabulate again"):
+    with pytest.raises(InputError, match=r"another factor than \d.*; tabulate again"):
+        read_table(path)
+    path.write_bytes(b"nothing")
+    with pytest.raises(InputError):
         read_table(path)
 
 
-@pytest.mark.slow
 def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_path):
     path = tmp_path / "table.csv"
     write_csv(path, of_elongated)
@@ -335,13 +305,6 @@ def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_pa
     assert (tmp_path / "table.csv.manifest.json").is_file()
 
 
-def test_a_file_without_a_table_is_refused(tmp_path, of_sphere):
-    path = tmp_path / "none.nc"
-    path.write_bytes(b"nothing")
-    with pytest.raises(InputError):
-        read_table(path)
-
-
 @pytest.mark.parametrize(
     ("values", "message"),
     [
@@ -358,8 +321,3 @@ def test_a_file_without_a_table_is_refused(tmp_path, of_sphere):
 def test_values_out_of_range_are_told(values, message):
     with pytest.raises(ValueError, match=message):
         tabulate(**values)
-
-
-def test_contacts_need_a_table():
-    with pytest.raises(InputError, match="at least one table"):
-        Tabulated([])

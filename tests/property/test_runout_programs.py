@@ -89,17 +89,6 @@ def test_a_program_is_compiled_once(cache, compiled):
     assert len(compiled) == 1
 
 
-def test_a_damaged_file_is_made_again(cache, compiled):
-    made = found()
-    for path in cache.glob("machine-*"):
-        path.write_bytes(path.read_bytes()[:-1])
-    for expected, value in zip(made, found(), strict=True):
-        np.testing.assert_array_equal(value, expected)
-    assert len(compiled) == 2
-    found()
-    assert len(compiled) == 2
-
-
 def test_a_loop_is_kept_by_its_functions(cache, compiled):
     body = blocks.Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, 5.0)))
     piece = time_of_impact.Piece(-50.0, 0.0, 50.0, 0.0)
@@ -123,21 +112,6 @@ def test_a_law_meets_no_program_of_another_constant(cache, compiled, tmp_path):
         assert after.tangential_velocity == constant
         # The second time the program of the first constant is found kept.
         assert len(set(compiled)) == min(number, 2)
-
-
-def test_a_law_whose_file_was_edited_since_is_not_kept(cache, compiled, tmp_path):
-    """Its source says another constant than the class has."""
-    path = tmp_path / "my_rebound.py"
-    path.write_text(LAW.replace("CONSTANT", "0.25"))
-    law = find_part("rebound", AbstractRebound, f"{path}:Sticky")
-    path.write_text(LAW.replace("CONSTANT", "0.75"))
-    block, impact = Block(), Impact.from_degrees(speed=10.0, angle=30.0)
-    after = of_a_new_process(contact_models._rebound)(law, block, impact)
-    assert after.tangential_velocity == 0.25
-    law = find_part("rebound", AbstractRebound, f"{path}:Sticky")
-    after = of_a_new_process(contact_models._rebound)(law, block, impact)
-    assert after.tangential_velocity == 0.75
-    assert len(compiled) == 2
 
 
 def test_a_law_that_nothing_tells_is_not_kept(cache, compiled):

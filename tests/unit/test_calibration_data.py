@@ -3,17 +3,12 @@ that nobody measured."""
 
 import numpy as np
 import pytest
-from calibration_studies import objective_of
-from error_messages import assert_one_line_error
+from calibration_studies import fitted, objective_of, study_of_columns
 from scipy.integrate import quad
 from scipy.stats import norm
-from text_files import write_rows
 
 from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.least_squares import FINE
-from jaximpact.calibration.estimation.sigma import settle
-from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.problem.noise import (
     LOSSES,
     losses,
@@ -22,27 +17,22 @@ from jaximpact.calibration.problem.noise import (
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
 from jaximpact.calibration.report.contents import about
-from jaximpact.cli import main
 
 U = np.linspace(-6.0, 6.0, 25)
-STUDY = """\
-data = ["north.csv", "south.csv"]
-starts = 6
-[parameters]
-c_v = { start = 0.9, lower = 0.1, upper = 10.0 }
-gamma_v = { start = 6.0, lower = 0.5, upper = 100.0 }
-"""
-SLOPE = """\
-[nuisance.slope_deg]
-by = "campaign"
-prior = { mean = 25.0, sd = 10.0 }
-"""
-TRUE = np.array([1.5, 4.0])
-SLOPES = {"north": 30.0, "south": 20.0}
-TARGETS = "e_n,e_t,max_sinking_m"
-HEADER = f"mass_kg,speed_mps,angle_deg,{TARGETS}"
-NORTH = ((100, 8, 40), (400, 12, 50), (800, 10, 30), (200, 15, 60))
-SOUTH = ((300, 10, 45), (600, 14, 35), (150, 9, 55))
+TESTS = {
+    "campaign": ["north"] * 4 + ["south"] * 3,
+    "mass_kg": [100, 400, 800, 200, 300, 600, 150],
+    "speed_mps": [8, 12, 10, 15, 10, 14, 9],
+    "angle_deg": [40, 50, 30, 60, 45, 35, 55],
+}
+TARGETS = ("e_n", "e_t", "max_sinking_m")
+PARAMETERS = {
+    "c_v": {"start": 0.9, "lower": 0.1, "upper": 10.0},
+    "gamma_v": {"start": 6.0, "lower": 0.5, "upper": 100.0},
+}
+SLOPE = {"slope_deg": {"by": "campaign", "prior": {"mean": 25.0, "sd": 10.0}}}
+TRUE = [1.5, 4.0]
+SLOPES = [30.0, 20.0]
 
 
 def test_what_was_not_measured_may_be_written_so(tmp_path):
@@ -107,122 +97,67 @@ def test_far_limits_have_finite_losses():
     assert np.all(np.isfinite(found.curvature))
 
 
-def write_study(folder, text=STUDY, cells=None):
-    """A study of two campaigns; `cells` replaces targets, by file and row."""
-    for name, tests in (("north", NORTH), ("south", SOUTH)):
-        rows = [
-            (*test, *(cells or {}).get((name, row), ("0.1", "0.5", "0.2")))
-            for row, test in enumerate(tests)
-        ]
-        write_rows(folder / f"{name}.csv", HEADER.split(","), rows)
-    path = folder / "study.toml"
-    path.write_text(text)
-    return path
+def study(results, sigmas=None, **content):
+    """A study of two campaigns, whose slopes nobody measured, with results
+    (tests, targets)."""
+    columns = TESTS | dict(zip(TARGETS, np.transpose(results), strict=True))
+    if sigmas is not None:
+        content["default_sigma"] = dict(zip(TARGETS, sigmas, strict=True))
+    content = {"parameters": PARAMETERS, "nuisance": SLOPE} | content
+    return study_of_columns(columns, **content)
 
 
 @pytest.fixture(scope="module")
-def predicted(tmp_path_factory):
+def predicted():
     """Targets of the true soil on the true slopes, `(tests, targets)`."""
-    path = write_study(tmp_path_factory.mktemp("true"), STUDY + SLOPE)
-    objective = objective_of(path)
-    true = objective.bounds.coordinate([*TRUE, *SLOPES.values()])
-    return objective(true[None]).predicted[0]
-
-
-def as_cells(values):
-    """Cells of both files."""
-    rows = [("north", row) for row in range(len(NORTH))]
-    rows += [("south", row) for row in range(len(SOUTH))]
-    texts = [tuple(repr(float(x)) for x in line) for line in values]
-    return dict(zip(rows, texts, strict=True))
+    objective = objective_of(study(np.ones((7, 3))))
+    return objective.values(objective.bounds.coordinate([TRUE + SLOPES])).predicted[0]
 
 
 def test_campaigns_are_joined(tmp_path):
-    study = read_study(write_study(tmp_path, STUDY + SLOPE))
-    assert len(study.tests) == 7
-    assert study.tests.labels["campaign"] == ["north"] * 4 + ["south"] * 3
-    assert names_of(study)[2:] == ["slope_deg[north]", "slope_deg[south]"]
-    assert study.tests.place(4) == (tmp_path / "south.csv", 2)
-    np.testing.assert_array_equal(study.tests.inputs["mass_kg"][3:5], [200.0, 300.0])
-
-
-def test_a_column_that_one_file_lacks_has_its_default(tmp_path):
-    path = write_study(tmp_path)
-    (tmp_path / "south.csv").write_text("mass_kg,slope_deg,e_bar\n100,10,0.5\n")
-    study = read_study(path)
-    np.testing.assert_array_equal(study.tests.inputs["speed_mps"], [8, 12, 10, 15, 14])
-    np.testing.assert_array_equal(study.tests.inputs["slope_deg"], [0, 0, 0, 0, 10])
-    assert list(np.isnan(study.measured[4])) == [True, True, False, True]
-    assert study.targets == ("e_n", "e_t", "e_bar", "max_sinking_m")
-
-
-def test_empty_cells_and_limits_are_read(tmp_path):
-    cells = {("north", 1): ("", ">0.3", "< 0.1")}
-    study = read_study(write_study(tmp_path, cells=cells))
-    assert np.isnan(study.measured[1, 0])
-    np.testing.assert_array_equal(study.measured[1, 1:], [0.3, 0.1])
-    np.testing.assert_array_equal(study.censored[1], [0, 1, -1])
-    assert np.sum(study.known) == 20
+    """A file is a campaign, and a column that it lacks has its default."""
+    (tmp_path / "north.csv").write_text("mass_kg,e_n\n100,0.1\n400,0.2\n")
+    (tmp_path / "south.csv").write_text(
+        "mass_kg,speed_mps,e_n,max_sinking_m\n300,12,,>0.5\n600,14,< 0.1,\n"
+    )
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'data = ["north.csv", "south.csv"]\n[nuisance.slope_deg]\n'
+        'by = "campaign"\nprior = { mean = 25.0, sd = 10.0 }\n'
+    )
+    joined = read_study(path)
+    assert joined.tests.labels["campaign"] == ["north"] * 2 + ["south"] * 2
+    assert names_of(joined)[-2:] == ["slope_deg[north]", "slope_deg[south]"]
+    assert joined.tests.place(2) == (tmp_path / "south.csv", 2)
+    np.testing.assert_array_equal(joined.tests.inputs["mass_kg"], [100, 400, 300, 600])
+    np.testing.assert_array_equal(joined.tests.inputs["speed_mps"], [14, 14, 12, 14])
+    assert joined.targets == ("e_n", "max_sinking_m")
+    nan = np.nan
+    np.testing.assert_array_equal(
+        joined.measured, [[0.1, nan], [0.2, nan], [nan, 0.5], [0.1, nan]]
+    )
+    np.testing.assert_array_equal(joined.censored[2:], [[0, 1], [-1, 0]])
 
 
 @pytest.mark.slow
-def test_twin_of_two_slopes_that_nobody_measured(tmp_path, predicted):
+def test_twin_of_two_slopes_that_nobody_measured(predicted):
     """Soil and both slopes from noise-free targets. The prior, one of 10 degrees about
     25, pulls by what its information is against that of the data."""
-    text = STUDY.replace("starts = 6", "starts = 16") + SLOPE
-    text += "[default_sigma]\ne_n = 1e-5\ne_t = 1e-5\nmax_sinking_m = 1e-5\n"
-    path = write_study(tmp_path, text, as_cells(predicted))
-    result = fit_study(read_study(path)).variants[0]
+    result = fit_study(study(predicted, (1e-5, 1e-5, 1e-5), starts=16)).variants[0]
     assert result.reason.at_minimum
-    assert np.any(result.reached)
     found = result.parameters
     np.testing.assert_allclose(found[:2], TRUE, rtol=1e-4)
-    np.testing.assert_allclose(found[2:], list(SLOPES.values()), atol=1e-2)
+    np.testing.assert_allclose(found[2:], SLOPES, atol=1e-2)
     assert [verdict.determined for verdict in result.verdicts] == [True, True]
 
 
-def test_missing_cells_say_nothing(tmp_path, predicted):
-    """A fit with a cell left empty is that to the other cells, whatever stood there."""
-    cells = as_cells(predicted)
-    cells["south", 1] = ("", *cells["south", 1][1:])
-    objective = objective_of(write_study(tmp_path, STUDY + SLOPE, cells))
-    true = objective.bounds.coordinate([*TRUE, 28.0, 22.0])
-    points = objective(true[None])
-    whole = objective_of(
-        write_study(tmp_path, STUDY + SLOPE, as_cells(predicted))
-    ).with_sigma(objective.sigma)
-    u = (points.predicted[0, 5, 0] - predicted[5, 0]) / objective.sigma[5, 0]
-    assert abs(u) > 0.01
-    assert whole(true[None]).cost[0] - points.cost[0] == pytest.approx(0.5 * u**2)
-
-
-def test_limits_that_are_kept_cost_little_and_broken_ones_much(tmp_path, predicted):
-    costs = []
-    for limit in (">-1.0", ">2.0"):
-        cells = as_cells(predicted)
-        cells["south", 1] = (limit, *cells["south", 1][1:])
-        objective = objective_of(write_study(tmp_path, STUDY + SLOPE, cells))
-        true = objective.bounds.coordinate([*TRUE, *SLOPES.values()])
-        prior = 0.5 * (0.5**2 + 0.5**2)
-        costs.append(objective(true[None]).cost[0] - prior)
-    assert costs[0] < 1e-12
-    assert costs[1] > 100.0
-
-
-def fitted(objective):
-    fits = fit(objective, start_of(objective.study)[None], rule=FINE)
-    return settle(objective, fits, fit)
-
-
-def test_robust_losses_put_up_with_an_outlier(tmp_path, predicted):
+def test_robust_losses_put_up_with_an_outlier(predicted):
     noise = 1.0 + 0.01 * np.random.default_rng(1).normal(size=predicted.shape)
     noise[2, 0] = 1.25
     errors = {}
     for loss in LOSSES:
-        text = STUDY.replace("starts = 6", f'starts = 6\nloss = "{loss}"') + SLOPE
-        text += "[default_sigma]\ne_n = 2e-3\ne_t = 7e-3\nmax_sinking_m = 1e-3\n"
-        path = write_study(tmp_path, text, as_cells(predicted * noise))
-        objective, best = fitted(objective_of(path))
+        outlying = study(predicted * noise, (2e-3, 7e-3, 1e-3), loss=loss)
+        objective, best = fitted(objective_of(outlying))
         assert best.reasons[0].at_minimum
         x, true = best.points.x[0, :2], objective.bounds.coordinate([*TRUE, 0.0, 0.0])
         errors[loss] = np.max(np.abs(x - true[:2]))
@@ -233,84 +168,33 @@ def test_robust_losses_put_up_with_an_outlier(tmp_path, predicted):
     assert errors["soft-l1"] < 0.7 * errors["gaussian"]
 
 
-def test_sigmas_that_are_not_given_are_estimated_for_each_target(tmp_path, predicted):
+def test_sigmas_that_are_not_given_are_estimated_for_each_target(predicted):
     """In units of one target's scatter the other's is what was put in: 1 and 5 %, each
     to the accuracy of an estimate from 7 values, a factor of two."""
     random = np.random.default_rng(3)
     noise = random.normal(size=predicted.shape) * [0.01, 0.05, 0.01]
-    path = write_study(tmp_path, STUDY + SLOPE, as_cells(predicted * (1.0 + noise)))
-    objective, best = fitted(objective_of(path))
+    objective, best = fitted(objective_of(study(predicted * (1.0 + noise))))
     scale = np.sqrt(np.mean(predicted**2, axis=0))
     part = objective.sigma[0] / scale
     assert np.all(part > 0.5 * np.array([0.01, 0.05, 0.01]))
     assert np.all(part < 2.0 * np.array([0.01, 0.05, 0.01]))
     # They are what they are estimated to be once more.
-    u = (best.points.predicted[0] - objective.study.measured) / objective.sigma
-    assert estimate(objective, best.points).reduced_chi_square == pytest.approx(
-        np.sum(u**2) / estimate(objective, best.points).degrees_of_freedom
-    )
     found = estimate(objective, best.points)
+    u = (best.points.predicted[0] - objective.study.measured) / objective.sigma
+    expected = np.sum(u**2) / found.degrees_of_freedom
+    assert found.reduced_chi_square == pytest.approx(expected)
     assert found.reduced_chi_square == pytest.approx(1.0, rel=0.02)
 
 
-def test_weights_multiply_losses_and_are_no_information(tmp_path, predicted):
+def test_weights_multiply_losses_and_are_no_information(predicted):
     """Doubling every weight doubles the cost and leaves the covariance."""
-    sigmas = "[default_sigma]\ne_n = 0.01\ne_t = 0.01\nmax_sinking_m = 0.01\n"
-    doubled = "[weights]\ne_n = 2.0\ne_t = 2.0\nmax_sinking_m = 2.0\n"
-    found = []
-    for text in (STUDY + sigmas, STUDY + sigmas + doubled):
-        objective = objective_of(write_study(tmp_path, text, as_cells(predicted)))
+    found, doubled = [], dict.fromkeys(TARGETS, 2.0)
+    for weights in ({}, {"weights": doubled}):
+        # Without priors, which have no weight.
+        weighted = study(predicted, (0.01, 0.01, 0.01), nuisance={}, **weights)
+        objective = objective_of(weighted)
         points = objective(start_of(objective.study)[None])
         found.append((points.cost[0], estimate(objective, points)))
     (cost, once), (twice_cost, twice) = found
     assert twice_cost == pytest.approx(2.0 * cost)
     np.testing.assert_allclose(twice.covariance, once.covariance, rtol=1e-9)
-
-
-def test_a_prior_on_a_parameter_counts_as_a_measurement(tmp_path, predicted):
-    text = STUDY.replace(
-        "upper = 10.0", "upper = 10.0, prior = { mean = 1.0, sd = 0.2 }"
-    )
-    objective = objective_of(write_study(tmp_path, text, as_cells(predicted)))
-    without = objective_of(write_study(tmp_path, STUDY, as_cells(predicted)))
-    x = objective.bounds.coordinate([1.3, 5.0])[None]
-    more = objective(x).cost[0] - without(x).cost[0]
-    assert more == pytest.approx(0.5 * (0.3 / 0.2) ** 2)
-
-
-BAD = {
-    "unknown nuisance": ("slope_deg]", "slop_deg]", ("nuisance.slop_deg", "slope_deg")),
-    "unknown key": ("by =", "buy =", ("nuisance.slope_deg.buy", "by")),
-    "unknown group": ('"campaign"', '"campain"', ("key nuisance.", ".by", "campaign")),
-    "group without a column": ('"campaign"', '"test"', ("no column",)),
-    "no prior": ("prior =", "# prior =", ("nuisance.slope_deg.prior", "missing")),
-    "no mean": ("mean = 25.0, ", "", ("prior.mean", "missing")),
-    "no spread": ("sd = 10.0", "sd = -1", ("prior.sd", "above 0")),
-    "outside": ("mean = 25.0", "mean = 95.0", ("prior.mean", "(-90, 90)")),
-    "missing file": ("south.csv", "soth.csv", ("soth.csv", "cannot be read")),
-    "no file": ('["north.csv", "south.csv"]', "[]", ("key data",)),
-}
-
-
-@pytest.mark.parametrize(("old", "new", "parts"), BAD.values(), ids=BAD)
-def test_bad_study_is_one_line(tmp_path, capsys, old, new, parts):
-    text = STUDY + SLOPE
-    assert old in text
-    path = write_study(tmp_path, text.replace(old, new, 1))
-    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
-    assert_one_line_error(capsys, str(tmp_path), *parts)
-
-
-def test_a_measurement_without_sigma_among_others_is_named(tmp_path, capsys):
-    path = write_study(tmp_path)
-    (tmp_path / "north.csv").write_text("e_n,sigma_e_n\n0.1,0.01\n0.2,\n,\n")
-    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
-    assert_one_line_error(capsys, "north.csv", "row 3", "column e_n", "sigma_e_n")
-
-
-def test_an_empty_group_is_named(tmp_path, capsys):
-    text = STUDY + SLOPE.replace('"campaign"', '"test"')
-    path = write_study(tmp_path, text)
-    (tmp_path / "north.csv").write_text("test,e_n\na,0.1\n,0.2\n")
-    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
-    assert_one_line_error(capsys, "north.csv", "row 3", "column test", "is empty")

@@ -8,7 +8,6 @@ import pytest
 from jaximpact.calibration import read_study, residuals
 from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective, start_of
-from jaximpact.errors import InputError
 
 TABLE = """campaign,mass_kg,speed_mps,angle_deg,e_n,sigma_e_n,e_t
 a,100,5,10,0.2,0.01,0.7
@@ -67,11 +66,3 @@ def test_half_the_sum_of_squares_is_the_cost(study, text):
 def test_a_path_and_a_variant_by_name(study):
     function, start = residuals(study.path, study.variants[0].name)
     assert function(start).shape == (3 + 3 + 1 + 2,)
-
-
-def test_limits_and_unknown_variants_are_refused(study, tmp_path):
-    with pytest.raises(InputError, match="variant 'other' is unknown"):
-        residuals(study, "other")
-    (tmp_path / "tests.csv").write_text(TABLE.replace(",0.7\n", ",>0.7\n"))
-    with pytest.raises(InputError, match="limits"):
-        residuals(study.path)

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import jax
 import numpy as np
 import pytest
+from calibration_studies import study_of_columns
 
 from jaximpact import PRESETS, Block, Impact, Scene, Soil, simulate_batch
 from jaximpact.calibration import fit_study
-from jaximpact.calibration.arguments import table_given
 from jaximpact.calibration.diagnostics.examination import (
     doubtful_units,
     freedom_text,
@@ -16,8 +16,6 @@ from jaximpact.calibration.diagnostics.examination import (
     worse_than_mean,
 )
 from jaximpact.calibration.diagnostics.identifiability import Verdict
-from jaximpact.calibration.problem.config import study_of
-from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.parameters import about_draws, verdict
 
@@ -33,8 +31,7 @@ NOTHING_ELSE = SimpleNamespace(
 
 
 def study(columns, **content):
-    content = {"starts": 4, "accuracy": "balanced"} | content
-    return study_of(joined_tables((table_given(columns),)), content)
+    return study_of_columns(columns, starts=4, accuracy="balanced", **content)
 
 
 @pytest.fixture(scope="module")
@@ -142,12 +139,14 @@ def test_no_freedom_is_none_whatever_rounding_leaves():
     ]
 
 
-def test_no_start_at_the_best_fit_is_said(e_n):
+def test_a_search_that_missed_the_best_fit_is_said(e_n):
     result = fit_study(study(columns(e_n), parameters={"k_E": {}}))
-    reasons = [SimpleNamespace(at_minimum=False) for _ in range(4)]
-    variant = result.variants[0]._replace(start_reasons=reasons)
-    (words,) = warnings_of(result, variant, NOTHING_ELSE)
-    assert words.startswith("No start ended at the best fit")
+    variant = result.variants[0]
+    assert warnings_of(result, variant, NOTHING_ELSE) == []
+    (words,) = warnings_of(result, variant._replace(found_later=True), NOTHING_ELSE)
+    assert words.startswith("The search did not find the best fit")
+    (words,) = warnings_of(result, variant._replace(agreed=3), NOTHING_ELSE)
+    assert words.startswith(f"Only 3 of {variant.members} members")
 
 
 def test_draws_that_all_count_do_not_make_a_bound_normal():

@@ -15,10 +15,6 @@ from jaximpact.runout.study.intervals import (
 )
 
 
-def test_without_blocks_no_share_has_an_interval():
-    assert np.all(np.isnan(share_interval(0, 0)))
-
-
 @pytest.mark.parametrize("percent", [50, 90, 95, 99])
 @pytest.mark.parametrize("blocks", [1, 10, 72, 367, 368, 1000, 20_000])
 def test_ranks_are_those_of_scipy(blocks, percent):
@@ -31,14 +27,12 @@ def test_ranks_are_those_of_scipy(blocks, percent):
 
 @pytest.mark.parametrize("percent", [1, 50, 90, 95, 99])
 def test_least_blocks_are_the_first_with_both_ends(percent):
-    least = least_blocks(percent)
-
-    def whole(blocks):
+    for blocks, whole in (
+        (least_blocks(percent), True),
+        (least_blocks(percent) - 1, False),
+    ):
         low, high = percentile_ranks(blocks, percent)
-        return low >= 1 and high <= blocks
-
-    assert whole(least)
-    assert not whole(least - 1)
+        assert (low >= 1 and high <= blocks) == whole
 
 
 def test_known_numbers():
@@ -47,49 +41,27 @@ def test_known_numbers():
 
 
 def test_too_few_blocks_get_no_end():
+    """And what is not finite is no block."""
     values = np.arange(100.0)
     low, high = percentile_interval(values, 99)
     assert low == 96.0
     assert np.isnan(high)
     assert np.all(np.isnan(percentile_interval(np.full(3, np.nan), 95)))
     assert np.all(np.isnan(percentile_interval(np.zeros(0), 50)))
+    assert np.all(np.isnan(share_interval(0, 0)))
+    with_gaps = np.random.default_rng(1).permutation([*values, *np.full(50, np.nan)])
+    assert percentile_interval(with_gaps, 95) == percentile_interval(values, 95)
 
 
-def test_what_is_not_finite_is_no_block():
-    values = np.append(np.arange(400.0), np.full(50, np.nan))
-    shuffled = np.random.default_rng(1).permutation(values)
-    assert percentile_interval(shuffled, 95) == percentile_interval(values[:400], 95)
-
-
-@pytest.mark.parametrize(("blocks", "percent"), [(100, 50), (100, 95), (400, 99)])
-def test_intervals_hold_the_true_percentile(blocks, percent):
-    """Of 4000 samples at least 95 % less three standard errors: 1 %."""
-    samples = np.random.default_rng(0).exponential(size=(4000, blocks))
-    truth = -np.log(1.0 - percent / 100.0)
-    ends = np.array([percentile_interval(s, percent) for s in samples])
-    held = np.mean((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
-    assert held >= 0.94
-    # The binomial distribution has steps: more than 95 %, but not for nothing.
-    assert held <= 0.985
-
-
-def test_one_ground_has_the_intervals_of_its_blocks():
-    counts = np.array([[0, 7, 40]])
-    ends = share_intervals_over_grounds(counts, np.array([40]))
-    assert list(zip(*ends, strict=True)) == [share_interval(k, 40) for k in (0, 7, 40)]
-    values = np.random.default_rng(0).exponential(size=500)
-    alone = percentile_interval_over_grounds([values], 95)
-    assert alone == percentile_interval(values, 95)
-
-
-def test_grounds_that_are_alike_have_the_intervals_of_one():
+@pytest.mark.parametrize("grounds", [1, 3])
+def test_grounds_that_are_alike_have_the_intervals_of_one(grounds):
     """By bisection in place of the inverse: to 1e-9."""
-    counts = np.tile([0, 7, 40], (3, 1))
-    ends = share_intervals_over_grounds(counts, np.full(3, 40))
+    counts = np.tile([0, 7, 40], (grounds, 1))
+    ends = share_intervals_over_grounds(counts, np.full(grounds, 40))
     expected = np.transpose([share_interval(k, 40) for k in (0, 7, 40)])
     np.testing.assert_allclose(ends, expected, atol=1e-9)
     values = np.random.default_rng(0).exponential(size=500)
-    same = percentile_interval_over_grounds([values] * 4, 95)
+    same = percentile_interval_over_grounds([values] * grounds, 95)
     assert same == percentile_interval(values, 95)
 
 

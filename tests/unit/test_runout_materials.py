@@ -1,13 +1,15 @@
 """Materials of the ground: by ranges of x, and by a column of the profile."""
 
+import json
+
 import numpy as np
 import pytest
-from error_messages import assert_one_line_error
 from slope_study import CONSTANT, slope_text
 
+from jaximpact import read_netcdf
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.runout import read_profile, read_slope_study, run_slope_study
+from jaximpact.runout import read_profile, read_slope_study
 
 SLOPE = slope_text(
     ground="""
@@ -91,18 +93,36 @@ def test_samples_are_those_of_the_study_without_cuts(slope, changed):
     )
 
 
-def test_the_dataset_names_materials(changed):
-    dataset = run_slope_study(read_slope_study(changed(("seed = 7", "count = 5"))))
-    about = dataset.ground_materials_scree_gamma_v.attrs
-    assert about["long_name"].startswith("of materials scree: ")
-    assert dataset.ground_materials_scree_gamma_v.shape == (5,)
+@pytest.mark.slow
+def test_the_command_names_materials(slope, changed, tmp_path):
+    """With a field, volumes of a power law and a line of releases beside them."""
+    field = "{ from = 20, to = 30, correlation_length_m = 10 }"
+    changed(
+        *RANGES,
+        (POINTS, 'csv = "p.csv"'),
+        ("seed = 7", "count = 5"),
+        ("rolling_friction_angle_deg = 32", f"rolling_friction_angle_deg = {field}"),
+        ("mass_kg = 100", "volume_m3 = { exponent = 0.5, least = 0.01, most = 1 }"),
+        ("x_m = 2", "along_x_m = [2, 30]"),
+    )
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
+    drawn = dataset.ground_materials_scree_gamma_v
+    assert drawn.attrs["long_name"].startswith("of materials scree: ")
+    study = read_slope_study(slope)
+    np.testing.assert_array_equal(
+        drawn, study.inputs.ground_samples["materials_scree_gamma_v"]
+    )
+    np.testing.assert_array_equal(dataset.mass_kg, study.release.block.mass)
+    assert 2.0 <= dataset.release_x_m.min() < dataset.release_x_m.max() <= 30.0
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    said = manifest["ground"]["materials"]["meadow"]["rolling_friction_angle_deg"]
+    assert said == {"from": 20, "to": 30, "correlation_length_m": 10}
+    assert set(manifest["files"]) == {"slope.toml", "p.csv"}
 
 
-def test_ground_without_a_material_is_told(slope, changed, capsys):
+def test_ground_without_a_material_is_told(slope, changed):
     gap = ("from_x_m = 62.5", "from_x_m = 70")
-    changed(gap)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "ground.materials", "leave x = 62.5 to 70 m without")
     base = ("[ground.materials.scree]", "[ground]\nc_v = 0.9\n[ground.materials.scree]")
     changed(gap, base)
     with pytest.warns(UserWarning, match="no material is at x = 62.5 to 70 m"):
@@ -115,83 +135,6 @@ def test_ranges_may_reach_beyond_the_profile(slope, changed):
     np.testing.assert_array_equal(
         read_slope_study(slope).ground.soil.c_v, [0.5, 0.5, 1.0, 1.0]
     )
-
-
-@pytest.mark.parametrize(
-    ("pairs", "parts"),
-    [
-        (
-            [("from_x_m = 62.5", "from_x_m = 40")],
-            ("overlap: scree and meadow", "x = 40"),
-        ),
-        ([("from_x_m = 62.5\n", "")], ("materials.meadow", "from_x_m and to_x_m")),
-        ([("to_x_m = 200", "to_x_m = 20")], ("materials.meadow", "the larger one")),
-        ([("c_v = 0.5", "c_w = 0.5")], ("materials.scree.c_w", "did you mean c_v?")),
-        (
-            [("to_x_m = 200", "to_xm = 200")],
-            ("materials.meadow.to_xm", "did you mean to_x_m?"),
-        ),
-        ([("k_E = 300", "k_E = -3")], ("materials.meadow.k_E", "above 0")),
-        ([("k_E = 300", 'flow = "FluidityRate"')], ("flow", "a law of one part")),
-        ([("meadow", "'a meadow'")], ("a meadow", "letters, digits")),
-        (
-            [
-                ("62.5\nto_x_m = 200", "300\nto_x_m = 400"),
-                ("to_x_m = 62.5", "to_x_m = 999"),
-            ],
-            ("materials.meadow", "nowhere on the slope", "from x = 0 to 200"),
-        ),
-        (
-            [("[block]", "[ground.segment.1]\nc_v = 1\n[block]")],
-            ("key ground", "segments and materials"),
-        ),
-        ([RANGES[0]], ("materials.scree", "or a column material")),
-        (
-            [(POINTS, 'csv = "p.csv"')],
-            ("materials.scree", "column material; leave one"),
-        ),
-        (
-            [*RANGES, (POINTS, 'csv = "p.csv"'), ("meadow", "medow")],
-            ("ground.materials", "define the material 'meadow'", "mean 'medow'?"),
-        ),
-        (
-            [
-                *RANGES,
-                (POINTS, 'csv = "p.csv"'),
-                ("[block]", "[ground.materials.rock]\n[block]"),
-            ],
-            ("materials.rock", "no row of the profile names it"),
-        ),
-    ],
-)
-def test_bad_materials_are_refused_in_one_line(changed, capsys, pairs, parts):
-    changed(*pairs)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.toml", *parts)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("50,20,scree", "50,20,", ("row 3, column material", "is empty")),
-        ("y_m,material", "y_m,materials", ("did you mean material?",)),
-        ("material\n", "material,c_v\n", ("has 3 cells, but the header has 4",)),
-    ],
-)
-def test_bad_columns_are_refused_in_one_line(slope, changed, capsys, old, new, parts):
-    changed(*RANGES, (POINTS, 'csv = "p.csv"'))
-    (slope.parent / "p.csv").write_text(CSV.replace(old, new))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "p.csv", *parts)
-
-
-def test_a_quantity_is_said_once(slope, changed, capsys):
-    (slope.parent / "p.csv").write_text(
-        "x_m,y_m,material,c_v\n0,50,scree,1\n80,0,meadow,1\n200,0,,1\n"
-    )
-    changed(*RANGES, (POINTS, 'csv = "p.csv"'))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "materials.scree.c_v", "is also a column of p.csv")
 
 
 def test_a_profile_alone_has_no_materials(slope):

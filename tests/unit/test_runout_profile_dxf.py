@@ -1,26 +1,25 @@
 """Slope profiles from DXF drawings."""
 
 import sys
-import warnings
 
 import numpy as np
 import pytest
-from error_messages import assert_one_line_error
+from error_messages import warned_once
 
-from jaximpact.cli import main
 from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.runout import read_slope_study
 from jaximpact.runout.dxf_profile import read_dxf_points
 
-UNUSUAL = "jaximpact.errors.UnusualValueWarning"
+ezdxf = pytest.importorskip("ezdxf")
+
 X, Y = [0.0, 400.0, 1000.0], [230.0, 0.0, 0.0]
+POINTS = list(zip(X, Y, strict=True))
 HEAD = "0\nSECTION\n2\nENTITIES\n"
 TAIL = "0\nENDSEC\n0\nEOF\n"
 
 
 @pytest.fixture
 def drawing():
-    ezdxf = pytest.importorskip("ezdxf")
     return ezdxf.new("R2010")
 
 
@@ -34,28 +33,53 @@ def line(x_0, y_0, x_1, y_1, layer="0"):
     return f"0\nLINE\n8\n{layer}\n10\n{x_0}\n20\n{y_0}\n11\n{x_1}\n21\n{y_1}\n"
 
 
-@pytest.mark.parametrize("backwards", [False, True])
-@pytest.mark.parametrize("kind", ["lwpolyline", "polyline2d", "polyline3d"])
-def test_a_polyline_is_a_profile(drawing, tmp_path, kind, backwards):
-    points = list(zip(X, Y, [7.0] * 3, strict=True))
-    if kind == "lwpolyline":
-        points = [(x, y) for x, y, _ in points]
-    space = drawing.modelspace()
-    getattr(space, f"add_{kind}")(points[::-1] if backwards else points)
-    x, y = read(drawing, tmp_path)
+def fitted_polyline(space):
+    """A polyline with a control point, which is no point of it."""
+    polyline = space.add_polyline2d([POINTS[0], (150.0, 400.0), *POINTS[1:]])
+    polyline.dxf.flags |= 4
+    polyline.vertices[1].dxf.flags |= 16
+
+
+def beside_contours(space, contours=True):
+    """On two layers, and on one more contour lines, whose z changes."""
+    for height, layer in ((0, "T"), (10, "ROCK"), (20, "ROCK")):
+        points = [(x, y + height) for x, y in POINTS]
+        space.add_lwpolyline(points, dxfattribs={"layer": layer})
+    if contours:
+        layer = {"layer": "CONTOURS"}
+        space.add_polyline3d([(0, 0, 9), (9, 0, 0)], dxfattribs=layer)
+
+
+@pytest.mark.parametrize(
+    ("draw", "layer"),
+    [
+        *(
+            (lambda space, by=by: space.add_lwpolyline(POINTS[::by]), None)
+            for by in (1, -1)
+        ),
+        (lambda space: space.add_polyline2d(POINTS), None),
+        (lambda space: space.add_polyline3d([(*p, 7.0) for p in POINTS[::-1]]), None),
+        (lambda space: space.add_lwpolyline(np.repeat(POINTS, 2, axis=0)), None),
+        (fitted_polyline, None),
+        (beside_contours, "T"),
+        (beside_contours, "t"),
+    ],
+)
+def test_a_polyline_is_a_profile(drawing, tmp_path, draw, layer):
+    """Either way, with points that stand twice, on one of many layers."""
+    draw(drawing.modelspace())
+    x, y = read(drawing, tmp_path, layer)
     np.testing.assert_array_equal(x, X)
     np.testing.assert_array_equal(y, Y)
 
 
 def test_a_line_that_is_drawn_twice_is_one(drawing, tmp_path):
-    space = drawing.modelspace()
-    space.add_line((0, 230), (400, 0))
-    space.add_line((400, 0), (0, 230))
-    np.testing.assert_array_equal(read(drawing, tmp_path)[0], [0.0, 400.0])
+    for start, end in (POINTS[:2], POINTS[1::-1]):
+        drawing.modelspace().add_line(start, end)
+    np.testing.assert_array_equal(read(drawing, tmp_path)[0], X[:2])
 
 
 def test_lines_in_any_order_are_joined(tmp_path):
-    pytest.importorskip("ezdxf")
     text = HEAD + line(1000, 0, 400, 0) + line(0, 230, 100, 172.5)
     text += line(400, 1e-7, 100, 172.5) + TAIL
     (tmp_path / "slope.dxf").write_text(text)
@@ -79,19 +103,6 @@ def test_arcs_of_polylines_are_cut_to_chords(drawing, tmp_path):
     assert np.max(np.abs(middle[:-1] - 100.0)) <= 0.01 + 0.03
 
 
-def test_control_points_of_a_fitted_polyline_are_not_its_points(drawing, tmp_path):
-    points = [(0.0, 230.0), (150.0, 400.0), (400.0, 0.0), (1000.0, 0.0)]
-    polyline = drawing.modelspace().add_polyline2d(points)
-    polyline.dxf.flags |= 4
-    polyline.vertices[1].dxf.flags |= 16
-    np.testing.assert_array_equal(read(drawing, tmp_path)[0], X)
-
-
-def test_points_that_stand_twice_are_dropped(drawing, tmp_path):
-    drawing.modelspace().add_lwpolyline([(0, 5), (0, 5), (9, 1), (9, 1)])
-    np.testing.assert_array_equal(read(drawing, tmp_path)[0], [0.0, 9.0])
-
-
 def test_arcs_that_join_lines_are_part_of_the_profile(drawing, tmp_path):
     space = drawing.modelspace()
     space.add_line((0, 100), (50, 100))
@@ -102,44 +113,27 @@ def test_arcs_that_join_lines_are_part_of_the_profile(drawing, tmp_path):
     np.testing.assert_allclose(np.hypot(x[arc] - 50, y[arc] - 50), 50.0, rtol=3e-4)
 
 
-@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
 @pytest.mark.parametrize(
     ("number", "unit", "metre"),
     [
         *((1, "inches", 0.0254), (2, "feet", 0.3048), (4, "millimetres", 1e-3)),
         *((5, "centimetres", 1e-2), (7, "kilometres", 1e3), (10, "yards", 0.9144)),
         *((14, "decimetres", 0.1), (21, "US survey feet", 1200.0 / 3937.0)),
-        (23, "US survey yards", 3600.0 / 3937.0),
+        *((23, "US survey yards", 3600.0 / 3937.0), (0, None, 1.0), (6, None, 1.0)),
     ],
 )
 def test_the_unit_of_a_drawing_is_heeded_with_a_word(
     drawing, tmp_path, number, unit, metre
 ):
-    drawing.modelspace().add_lwpolyline([(x, y) for x, y in zip(X, Y, strict=True)])
+    drawing.modelspace().add_lwpolyline(POINTS)
     drawing.header["$INSUNITS"] = number
-    with pytest.warns(UnusualValueWarning, match=rf"slope.dxf: is in {unit} by its"):
+    said = unit and rf"slope\.dxf: is in {unit} by its"
+    with warned_once(UnusualValueWarning, said):
         x, y = read(drawing, tmp_path)
     np.testing.assert_allclose(x, metre * np.array(X), rtol=1e-15)
     np.testing.assert_allclose(y, metre * np.array(Y), rtol=1e-15)
 
 
-@pytest.mark.parametrize("number", [0, 6])
-def test_metres_and_no_unit_are_taken_as_they_are(drawing, tmp_path, number):
-    drawing.modelspace().add_lwpolyline([(x, y) for x, y in zip(X, Y, strict=True)])
-    drawing.header["$INSUNITS"] = number
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        np.testing.assert_array_equal(read(drawing, tmp_path)[0], X)
-
-
-def test_a_unit_of_no_slope_is_refused(drawing, tmp_path):
-    drawing.modelspace().add_line((0, 9), (9, 0))
-    drawing.header["$INSUNITS"] = 20
-    with pytest.raises(InputError, match="INSUNITS 20, which is no unit of slopes"):
-        read(drawing, tmp_path)
-
-
-@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
 def test_what_is_not_read_beside_lines_is_told(drawing, tmp_path):
     space = drawing.modelspace()
     space.add_line((0, 9), (9, 0))
@@ -157,7 +151,7 @@ def test_what_is_not_read_beside_lines_is_told(drawing, tmp_path):
 def insert_of_lines(drawing, at=(0.0, 0.0), **attributes):
     """Insert a block that has the profile on layer 0 into the model space."""
     block = drawing.blocks.new("SECTION")
-    block.add_lwpolyline(list(zip(X, Y, strict=True)))
+    block.add_lwpolyline(POINTS)
     drawing.modelspace().add_blockref("SECTION", at, dxfattribs=attributes)
 
 
@@ -205,25 +199,10 @@ def test_blocks_in_blocks_keep_their_curves_and_take_the_layer_of_the_insertion(
     assert len(x) > 10
 
 
-def test_a_block_that_is_no_part_of_the_line_is_refused_by_name(drawing, tmp_path):
-    insert_of_lines(drawing)
-    drawing.modelspace().add_line((0, 900), (1, 800))
-    with pytest.raises(InputError, match="not join, some of them in the blocks SECT"):
-        read(drawing, tmp_path)
-
-
-def test_a_block_in_itself_is_refused(drawing, tmp_path):
-    insert_of_lines(drawing)
-    drawing.blocks.get("SECTION").add_blockref("SECTION", (1, 1))
-    with pytest.raises(InputError, match="the block 'SECTION' contains itself"):
-        read(drawing, tmp_path)
-
-
-AREA = [*zip(X, Y, strict=True), (1000.0, -50.0), (300.0, -90.0), (0.0, -50.0)]
+AREA = [*POINTS, (1000.0, -50.0), (300.0, -90.0), (0.0, -50.0)]
 """Section drawn as a closed area, with vertical sides."""
 
 
-@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
 @pytest.mark.parametrize("shift", [0, 1, 4])
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("origin", [0.0, 2.6e6])
@@ -254,7 +233,6 @@ def lines_with_gaps(drawing, gap):
     space.add_line((400, 0.5 * gap), (1000, 0))
 
 
-@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
 @pytest.mark.parametrize("gap", [1e-4, 1e-3, 2e-3])
 def test_gaps_of_a_millimetre_or_two_are_closed_with_a_word(drawing, tmp_path, gap):
     lines_with_gaps(drawing, gap)
@@ -265,27 +243,59 @@ def test_gaps_of_a_millimetre_or_two_are_closed_with_a_word(drawing, tmp_path, g
     np.testing.assert_allclose(y, [230.0, 170.0, 0.0, 0.0], atol=gap)
 
 
-@pytest.mark.parametrize("gap", [0.01, 0.05, 3.0])
-def test_larger_gaps_are_refused_with_their_place(drawing, tmp_path, gap):
-    lines_with_gaps(drawing, gap)
-    said = rf"has 3 lines .* are {0.5 * gap:g} m apart, at \(400, 0\) m and \(400, "
-    with pytest.raises(InputError, match=said):
-        read(drawing, tmp_path)
-
-
-def test_a_line_that_forks_is_refused_with_its_place(drawing, tmp_path):
-    space = drawing.modelspace()
+def forks(drawing):
     for end in ((0, 230), (400, 0), (200, 170)):
-        space.add_line((100, 170), end)
-    with pytest.raises(InputError, match=r"more than two ends meet at \(100, 170\) m"):
-        read(drawing, tmp_path)
+        drawing.modelspace().add_line((100, 170), end)
 
 
-def test_what_is_on_other_layers_is_not_looked_at(drawing, tmp_path):
-    space = drawing.modelspace()
-    space.add_line((0, 9), (9, 0), dxfattribs={"layer": "T"})
-    space.add_polyline3d([(0, 0, 230), (400, 0, 0)], dxfattribs={"layer": "CONTOURS"})
-    np.testing.assert_array_equal(read(drawing, tmp_path, "T")[0], [0.0, 9.0])
+def layers(drawing):
+    beside_contours(drawing.modelspace(), contours=False)
+
+
+def contours(drawing):
+    beside_contours(drawing.modelspace())
+
+
+def of_no_slope(drawing):
+    drawing.modelspace().add_line((0, 9), (9, 0))
+    drawing.header["$INSUNITS"] = 20
+
+
+def not_of_the_line(drawing):
+    insert_of_lines(drawing)
+    drawing.modelspace().add_line((0, 900), (1, 800))
+
+
+def in_itself(drawing):
+    insert_of_lines(drawing)
+    drawing.blocks.get("SECTION").add_blockref("SECTION", (1, 1))
+
+
+@pytest.mark.parametrize(
+    ("message", "draw", "layer"),
+    [
+        *(
+            (
+                rf"has 3 lines .* are {0.5 * gap:g} m apart, at \(400, 0\) m and",
+                lambda drawing, gap=gap: lines_with_gaps(drawing, gap),
+                None,
+            )
+            for gap in (0.01, 0.05, 3.0)
+        ),
+        (r"more than two ends meet at \(100, 170\) m", forks, None),
+        ("INSUNITS 20, which is no unit of slopes", of_no_slope, None),
+        ("not join, some of them in the blocks SECT", not_of_the_line, None),
+        ("the block 'SECTION' contains itself", in_itself, None),
+        (r"\('T': 1, 'ROCK': 2\); .* 10 m apart, at \(0, 230\)", layers, None),
+        ("'ROC'; did you mean 'ROCK'", layers, "ROC"),
+        ("has 2 lines on the layer 'ROCK' that do not", layers, "ROCK"),
+        ("layer 'CONTOURS' whose z changes", contours, "CONTOURS"),
+    ],
+)
+def test_drawings_of_no_profile_are_refused(drawing, tmp_path, message, draw, layer):
+    draw(drawing)
+    with pytest.raises(InputError, match=message):
+        read(drawing, tmp_path, layer)
 
 
 @pytest.mark.parametrize("bulge", [1e9, 1e100, 1e300, np.inf, np.nan])
@@ -293,11 +303,9 @@ def test_bulges_without_bound_are_refused(drawing, tmp_path, bulge):
     drawing.modelspace().add_lwpolyline(
         [(0, 100, bulge), (100, 0, 0), (200, 0, 0)], format="xyb"
     )
-    with pytest.raises(
-        InputError, match=r"slope.dxf: (has a curve|is no DXF)"
-    ) as error:
+    said = r"slope.dxf: (has a curve|is no DXF)[^\n]*$"
+    with pytest.raises(InputError, match=said):
         read(drawing, tmp_path)
-    assert "\n" not in str(error.value)
 
 
 def test_a_large_arc_has_few_chords(drawing, tmp_path):
@@ -317,102 +325,57 @@ def test_many_lines_are_joined_in_no_time(drawing, tmp_path):
     np.testing.assert_array_equal(read(drawing, tmp_path)[0], x)
 
 
-def test_a_layer_chooses(drawing, tmp_path):
-    space = drawing.modelspace()
-    points = list(zip(X, Y, strict=True))
-    space.add_lwpolyline(points, dxfattribs={"layer": "TERRAIN"})
-    space.add_line((0, 240), (900, 10), dxfattribs={"layer": "ROCK"})
-    np.testing.assert_array_equal(read(drawing, tmp_path, "TERRAIN")[0], X)
-    said = (
-        r"2 layers \('TERRAIN': 1, 'ROCK': 1\); layer .* are 10 m apart, at \(0, 230\)"
-    )
-    with pytest.raises(InputError, match=said):
-        read(drawing, tmp_path)
-    with pytest.raises(InputError, match="'TERAIN'; did you mean 'TERRAIN'"):
-        read(drawing, tmp_path, "TERAIN")
-    space.add_line((0, 250), (900, 20), dxfattribs={"layer": "ROCK"})
-    with pytest.raises(InputError, match="has 2 lines on the layer 'ROCK' that do not"):
-        read(drawing, tmp_path, "ROCK")
-
-
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("said", "text"),
     [
-        ("", "is no DXF drawing that can be read"),
-        ("x_m,y_m\n0,1\n", "is no DXF drawing that can be read"),
-        (HEAD + line(0, 5, 9, 1), "is no DXF drawing that can be read"),
-        (HEAD + line(0, "high", 9, 1) + TAIL, "is no DXF drawing that can be read"),
-        (HEAD + TAIL, "has no LINE, LWPOLYLINE, .* or SPLINE"),
-        (HEAD + line(3, 3, 3, 3) + TAIL, "has no LINE"),
-        (HEAD + "0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n5\n" + TAIL, "has no LINE"),
-        (
-            HEAD + "0\nLINE\n8\nT\n10\n0\n20\n5\n30\n0\n11\n9\n21\n1\n31\n4\n" + TAIL,
-            "layer 'T' whose z changes",
-        ),
+        ("is no DXF drawing that can be read", ""),
+        ("is no DXF drawing that can be read", "x_m,y_m\n0,1\n"),
+        ("is no DXF drawing that can be read", HEAD + line(0, 5, 9, 1)),
+        ("is no DXF drawing that can be read", HEAD + line(0, "high", 9, 1) + TAIL),
+        ("has no LINE, LWPOLYLINE, .* or SPLINE", HEAD + TAIL),
+        ("has no LINE", HEAD + line(3, 3, 3, 3) + TAIL),
+        ("has no LINE", HEAD + "0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n5\n" + TAIL),
     ],
 )
-def test_what_is_no_profile_is_refused_in_a_line(tmp_path, text, said):
-    pytest.importorskip("ezdxf")
+def test_files_of_no_profile_are_refused_in_a_line(tmp_path, said, text):
     path = tmp_path / "slope.dxf"
     path.write_text(text)
-    with pytest.raises(InputError, match=said) as error:
+    with pytest.raises(InputError, match=f"slope.dxf: {said}[^\n]*$"):
         read_dxf_points(path)
-    assert str(path) in str(error.value)
-    assert "\n" not in str(error.value)
+    with pytest.raises(InputError, match=r"none\.dxf: cannot be read"):
+        read_dxf_points(tmp_path / "none.dxf")
 
 
 STUDY = """
 [profile]
 dxf = "slope.dxf"
 layer = "T"
-
 [release]
 x_m = 2
 clearance_m = 1
 """
 
 
-@pytest.fixture
-def slope(folder):
+def test_a_study_takes_a_drawing(tmp_path):
+    path, dxf = tmp_path / "slope.toml", tmp_path / "slope.dxf"
+    path.write_text(STUDY)
     text = HEAD + line(0, 230, 400, 0, "T") + line(400, 0, 1000, 0, "T")
-    (folder / "slope.dxf").write_text(text + line(0, 9, 9, 9) + TAIL)
-    (folder / "slope.toml").write_text(STUDY)
-    return folder / "slope.toml"
-
-
-def test_a_study_takes_a_drawing(slope):
-    pytest.importorskip("ezdxf")
-    study = read_slope_study(slope)
+    dxf.write_text(text + line(0, 9, 9, 9) + TAIL)
+    study = read_slope_study(path)
     np.testing.assert_array_equal(study.profile.x, X)
     assert set(study.inputs.checksums_by_name) == {"slope.toml", "slope.dxf"}
+    wall = line(0, 230, 400, 50, "T") + line(400, 50, 400, 0, "T")
+    dxf.write_text(HEAD + wall + TAIL)
+    with pytest.raises(InputError, match=r"slope\.dxf.* a wall needs some width"):
+        read_slope_study(path)
+    path.write_text(STUDY.replace('"T"', "3"))
+    with pytest.raises(InputError, match=r"key profile\.layer: must be a text"):
+        read_slope_study(path)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ('dxf = "slope.dxf"', 'csv = "slope.dxf"', ("profile.layer", "of a dxf only")),
-        ('"T"', '"T"\npoints_m = []', ("key profile", "one of points_m, csv and dxf")),
-        ('dxf = "slope.dxf"\n', "", ("key profile", "one of points_m, csv and dxf")),
-        ('"slope.dxf"', '"slop.dxf"', ("slop.dxf", "cannot be read")),
-        ('"T"', "3", ("layer", "must be a text")),
-    ],
-)
-def test_bad_studies_are_refused_in_one_line(slope, capsys, old, new, parts):
-    slope.write_text(STUDY.replace(old, new))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, *parts)
-
-
-def test_a_vertical_wall_is_refused(slope, capsys):
-    pytest.importorskip("ezdxf")
-    text = HEAD + line(0, 230, 400, 50, "T") + line(400, 50, 400, 0, "T") + TAIL
-    (slope.parent / "slope.dxf").write_text(text)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.dxf", "a wall needs some width")
-
-
-def test_without_the_package_it_is_named(slope, capsys, monkeypatch):
+def test_without_the_package_it_is_named(tmp_path, monkeypatch):
     for name in ("ezdxf", "ezdxf.filemanagement", "ezdxf.path"):
         monkeypatch.setitem(sys.modules, name, None)
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.dxf", "pip install ezdxf")
+    (tmp_path / "slope.dxf").write_text(HEAD + TAIL)
+    with pytest.raises(InputError, match=r"slope\.dxf.* pip install ezdxf"):
+        read_dxf_points(tmp_path / "slope.dxf")

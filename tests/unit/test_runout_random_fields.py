@@ -3,19 +3,16 @@
 import numpy as np
 import pytest
 from scipy import stats
-from slope_study import CONSTANT, refusals, slope_text
+from slope_study import CONSTANT, slope_text
 
-from jaximpact import Block, ConstantCoefficients, Soil
+from jaximpact import Soil
 from jaximpact.runout import (
-    ClosedForm,
     Lognormal,
     Normal,
     PowerLaw,
     Profile,
-    Release,
     Uniform,
     read_slope_study,
-    simulate_runout,
 )
 from jaximpact.runout.random_inputs import RandomField
 from jaximpact.runout.terrain import subdivide
@@ -96,22 +93,6 @@ def test_cuts_leave_the_ground_where_it_is():
     np.testing.assert_array_equal(piece, np.arange(5))
 
 
-@pytest.mark.parametrize("aspect_ratio", [1.0, 1.5])
-def test_cuts_alone_change_no_run_out(aspect_ratio):
-    """Rounding at the cuts must throw no block that rolls into the air, or stop it."""
-    profile = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0])
-    block = Block(np.linspace(50.0, 200.0, 20), aspect_ratio=aspect_ratio)
-    release = Release(block, 2.0, 232.0, 19.0, np.linspace(0.0, 6.0, 20))
-    law = ClosedForm(ConstantCoefficients(0.35, 0.85))
-    plain = simulate_runout(profile, release, law)
-    cut = simulate_runout(
-        subdivide(profile, np.arange(3.0, 1000, 7.0))[0], release, law
-    )
-    # Rounding, magnified by some ten contacts.
-    np.testing.assert_allclose(cut.x, plain.x, atol=1e-5)
-    np.testing.assert_array_equal(cut.ending, plain.ending)
-
-
 SLOPE = slope_text(
     top="count = 30\nseed = 7\ncollectors_m = [60]\nbins = 10",
     ground="""
@@ -163,18 +144,3 @@ def test_what_else_is_random_does_not_matter(slope, changed):
     np.testing.assert_array_equal(few.ground.soil.k_E, study.ground.soil.k_E[:3])
     changed(("count = 30\n", ""), ("{ from = 2, to = 6 }", "3"))
     assert read_slope_study(slope).release.count == 1000
-
-
-test_bad_fields_are_refused_in_one_line = refusals(
-    ("length_m = 20", "length_m = 0", ("c_v.correlation_length_m", "above 0 m")),
-    ("length_m = 20", 'length_m = "a"', ("correlation_length_m", "a number")),
-    ("length_m = 20", "lenght_m = 20", ("did you mean correlation_length_m?",)),
-    ("length_m = 20", "length_m = 0.01", ("c_v.corr", "8e+04 cells of 0.0025 m")),
-    ("mean = 700, sd = 100, least = 300", "mean = 700", ("{ mean, sd }",)),
-    ("sd = 100, least = 300", "sd = 700", ("segment.2.k_E", "above 0", "block")),
-    (
-        "mass_kg = 100",
-        "mass_kg = { mean = 9, sd = 1, correlation_length_m = 3 }",
-        ("key block.mass_kg", "is for quantities of the ground"),
-    ),
-)

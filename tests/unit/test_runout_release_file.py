@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from slope_study import CONSTANT, refusals, slope_text
+from slope_study import CONSTANT, slope_text
 
 from jaximpact.runout import read_slope_study
 
@@ -67,30 +67,3 @@ def test_blocks_of_a_line_have_their_clearance(changed):
         study.release.block.mass / study.release.block.density * 0.75 / np.pi
     )
     np.testing.assert_allclose(study.release.y, 0.5 + radius, rtol=1e-12)
-
-
-test_bad_files_are_refused_in_one_line = refusals(
-    ("[block]", "[block]\nmass_kg = 3", ("key block", "mass_kg or volume_m3, not")),
-    ("volume_m3", "volume", ("block.volume", "did you mean volume_m3?")),
-    (
-        "{ exponent = 0.5, least = 0.01, most = 2 }",
-        "0",
-        ("volume_m3", "above 0 m3"),
-    ),
-    (
-        "{ exponent = 0.5, least = 0.01, most = 2 }",
-        "{ mean = 1, sd = 1 }",
-        ("block.volume_m3", "above 0 m3", "for block"),
-    ),
-    ("[30, 100]", "[30, 100]\nx_m = 3", ("key release", "x_m or along_x_m, not")),
-    ("along_x_m = [30, 100]\n", "", ("release.x_m", "is needed")),
-    ("[30, 100]", "30", ("release.along_x_m", "list of two x")),
-    ("[30, 100]", "[30, 90, 100]", ("release.along_x_m", "list of two x")),
-    ("[30, 100]", "[100, 30]", ("release.along_x_m", "must go up")),
-    ("[30, 100]", "[30, 201]", ("release.along_x_m", "0 and 200")),
-    ("[30, 100]", "[30, nan]", ("release.along_x_m", "finite")),
-    ("[30, 100]", "[30, 100]\nspacing_m = 0", ("spacing_m", "above 0")),
-    ("[30, 100]", "[30, 100]\nspacing_m = 91", ("spacing_m", "90 m")),
-    ("[30, 100]", "[30, 100]\nspacing_m = 1e-9", ("spacing_m", "100000 places")),
-    ("along_x_m = [30, 100]", "x_m = 3\nspacing_m = 2", ("spacing_m", "along_x_m")),
-)

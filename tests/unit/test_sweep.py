@@ -170,20 +170,16 @@ def test_parametric_sets_are_those_of_the_paper(name):
     assert not np.any(dataset.outcome == "failed")
 
 
-@pytest.mark.parametrize("ground", GROUNDS)
-def test_a_set_on_one_ground_is_that_part_of_the_whole(ground):
-    whole = simulate_set("II", accuracy="fast").sel(ground=ground)
-    alone = sweep(*parametric_set("II", ground), accuracy="fast")
+def test_a_set_on_one_ground_is_that_part_of_the_whole():
+    whole = simulate_set("II", accuracy="fast").sel(ground=GROUNDS[1])
+    alone = sweep(*parametric_set("II", GROUNDS[1]), accuracy="fast")
     assert tuple(alone.sizes) == ("aspect_ratio",)
     xr.testing.assert_equal(alone, whole.drop_vars(["ground", "c_v", "gamma_v"]))
 
 
-def test_an_unknown_ground_is_refused():
+def test_unknown_sets_and_grounds_are_refused():
     with pytest.raises(InputError, match="did you mean 'Table 1'"):
         parametric_set("I", "table 1")
-
-
-def test_an_unknown_set_is_refused():
     with pytest.raises(InputError, match="V is no parametric set; did you mean IV"):
         parametric_set("V")
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import InputError, nearest
-from ...progress import Progress, ProgressFunction, reporting_to, tell, within
+from ...progress import tell, within
 from ...scene_quantities import SHAPE
 from ..problem.config import Study
 from ..problem.dataset import CAMPAIGN
@@ -17,10 +17,6 @@ from .held_out import HeldOut, held_out
 from .ranking import Ranking, ranking, stacking_weights
 
 TEST = "test"
-MOST_VALUES = 12
-"""Different numbers in a column up to which each is a group."""
-PARTS = 5
-"""Groups of equal count of a column with more different numbers."""
 
 Groups = tuple[str, tuple[str, ...], np.ndarray]
 """Column whose groups are left out, names of the groups, and index of the group of each
@@ -125,7 +121,6 @@ def compare_study(
     *,
     by: str | Sequence[str] | None = None,
     exact: bool = False,
-    progress: Progress | ProgressFunction | None = None,
 ) -> Compared:
     """Fit laws to the tests of a study and score their predictions; arguments are those
     of `compare`. Laws of rebound are always fitted to the end.
@@ -150,15 +145,14 @@ def compare_study(
 
     scored, refused = [], {}
     for number, contender in enumerate(contenders, 1):
-        step = within(f"law {number} of {len(contenders)}: ")
-        with reporting_to(progress), step:
+        with within(f"law {number} of {len(contenders)}: "):
             tell(contender.name)
             try:
-                found = fit_law(study, contender)
+                fit = fit_law(study, contender)
             except InputError as error:
                 refused[contender.name] = str(error)
                 continue
-            scored.append(_scored(contender, found, groups, exact))
+            scored.append(_scored(contender, fit, groups, exact))
     if not scored:
         raise InputError(f"no law could be fitted: {'; '.join(refused.values())}")
     fits, densities = zip(*scored, strict=True)
@@ -180,22 +174,22 @@ def compare_study(
 
 
 def _scored(
-    contender: Contender,
-    found: LawFit,
-    groups: list[Groups],
-    exact: bool,
+    contender: Contender, fit: LawFit, groups: list[Groups], exact: bool
 ) -> tuple[ScoredLaw, list[np.ndarray]]:
     """Score a law by each kind of groups left out; log densities of these."""
-    held, densities = [], []
+    predictions, densities = [], []
     for name, _, group in groups:
         one = held_out(
-            *(found.objective, found.points, found.uncertainty, group),
+            fit.objective,
+            fit.points,
+            fit.uncertainty,
+            group,
             exact=exact or contender.is_rebound or name != TEST,
         )
         inside = group >= 0
-        held.append(one)
+        predictions.append(one)
         densities.append(np.bincount(group[inside], one.density[inside]))
-    study, points = found.objective.study, found.points
+    study, points = fit.objective.study, fit.points
     measured = study.exact
 
     def rms(predicted: np.ndarray) -> np.ndarray:
@@ -203,16 +197,16 @@ def _scored(
         squares = np.where(there, (predicted - study.measured) ** 2, 0.0)
         return np.sqrt(np.sum(squares, axis=0) / np.maximum(np.sum(there, axis=0), 1))
 
-    count = found.fitted.parameters
+    count = fit.fitted.parameters
     acts = np.any(points.jacobian[0][study.known] != 0.0, axis=0)[:count]
     law = ScoredLaw(
         contender=contender,
-        fitted=found.fitted,
+        fitted=fit.fitted,
         rms=rms(points.predicted[0]),
-        rms_left_out=rms(held[0].predicted),
-        left_out=held[0],
+        rms_left_out=rms(predictions[0].predicted),
+        left_out=predictions[0],
         acts=tuple(acts.tolist()),
-        bounds_reached=tuple(found.objective.bounds.bound_reached(points.x[0])[:count]),
+        bounds_reached=tuple(fit.objective.bounds.bound_reached(points.x[0])[:count]),
     )
     return law, densities
 
@@ -225,7 +219,6 @@ def _each_test(study: Study) -> Groups:
 
 
 def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
-    """Group the tests by each column."""
     if by is None:
         labels = {CAMPAIGN: study.tests.labels[CAMPAIGN], SHAPE: study.tests.shapes}
         by = [name for name, of_tests in labels.items() if len(set(of_tests)) > 1]
@@ -260,10 +253,9 @@ def _groups(study: Study, name: str) -> Groups:
 
 
 def _labels_of_numbers(values: np.ndarray) -> list[str]:
-    """Label numbers by their value, or by one of several ranges of equal count."""
-    distinct = np.unique(values)
-    if len(distinct) <= MOST_VALUES:
+    """Label numbers by their value; more than twelve by five ranges of equal count."""
+    if len(np.unique(values)) <= 12:
         return [f"{value:g}" for value in values]
-    edges = np.quantile(values, np.linspace(0.0, 1.0, PARTS + 1))
-    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, PARTS - 1)
+    edges = np.quantile(values, np.linspace(0.0, 1.0, 6))
+    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, 4)
     return [f"{edges[p]:.3g} to {edges[p + 1]:.3g}" for p in place]

@@ -50,13 +50,13 @@ def default_contenders(study: Study) -> list[Contender]:
     rebound."""
     first = study.variants[0]
     used = {slot: type(part) for slot, part in (study.parts | first.laws).items()}
-    found = [_of_variant(variant, study) for variant in study.variants]
-    found += [
+    contenders = [_of_variant(variant, study) for variant in study.variants]
+    contenders += [
         _replacing(first, slot, kind())
         for slot, kind in _laws_of_ground()
         if used.get(slot) is not kind
     ]
-    return found + [Contender(law.words, law) for law in REBOUND]
+    return contenders + [Contender(law.words, law) for law in REBOUND]
 
 
 def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
@@ -76,20 +76,21 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
     if isinstance(laws, str):
         laws = (laws,)
     expect("laws", laws, Iterable)
-    found = []
+    contenders = []
     for law in laws:
-        found += _named(law, study) if isinstance(law, str) else [_given(law, study)]
-    names = [contender.name for contender in found]
+        contenders += (
+            _named(law, study) if isinstance(law, str) else [_given(law, study)]
+        )
+    names = [contender.name for contender in contenders]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"laws names {name!r} twice; leave one out")
-    if not found:
+    if not contenders:
         raise InputError("laws is empty; name at least one, such as 'model'")
-    return found
+    return contenders
 
 
 def _given(law, study: Study) -> Contender:
-    """Make a contender of an object."""
     kind = law if isinstance(law, type) else type(law)
     if issubclass(kind, AbstractRebound):
         return Contender(kind.words or kind.__name__, kind)
@@ -164,7 +165,6 @@ def _of_variant(variant: Variant, study: Study) -> Contender:
 
 
 def _replacing(variant: Variant, slot: str, part: Part) -> Contender:
-    """Make the ground of a variant with one law replaced."""
     name = f"{slot.replace('_', ' ')} {type(part).__name__}"
     if type(part) is USUAL[slot]:
         name += " (usual)"

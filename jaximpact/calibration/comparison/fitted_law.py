@@ -9,6 +9,7 @@ import numpy as np
 from ...errors import InputError
 from ...progress import tell
 from ...quantities import NEVER_NEGATIVE
+from ..diagnostics.posterior import variances
 from ..diagnostics.predictive import Predictive, predictive
 from ..diagnostics.uncertainty import (
     CONFIDENCE,
@@ -26,10 +27,10 @@ from ..study import best_fit
 from .contenders import SIMPLE, Contender
 from .rebound_objective import PREDICTED, rebound_objective
 
-STARTS = 16
-"""Largest number of starts of a law beside those of the study."""
 SIMPLE_LAWS = {law.words: Contender(law.words, law) for law in SIMPLE}
 """Simple laws by name."""
+JSON_NAMES = {"name": "law", "freedom": "degrees_of_freedom"}
+"""Names in fit.json of the fields of `FittedLaw` that have others there."""
 
 
 class FittedLaw(NamedTuple):
@@ -61,39 +62,21 @@ class FittedLaw(NamedTuple):
         return self.sigma * np.where(np.isinf(self.least_size), 1.0, sizes)
 
     def as_json(self) -> dict:
-        """Collect the numbers for fit.json, as `law_of_json` takes them."""
-        return {
-            "law": self.name,
-            "unknowns": self.unknowns,
-            "parameters": self.parameters,
-            "values": self.values,
-            "covariance": self.covariance,
-            "targets": self.targets,
-            "sigma": self.sigma,
-            "least_size": self.least_size,
-            "degrees_of_freedom": self.freedom,
-        }
+        """Collect the numbers for fit.json."""
+        return {JSON_NAMES.get(n, n): value for n, value in self._asdict().items()}
 
 
 def law_of_json(entry: dict) -> FittedLaw:
     """Make a fit of the numbers of fit.json."""
-
-    def numbers(key: str) -> np.ndarray:
-        # What is infinite is None in the file, and NaN here.
-        values = np.array(entry[key], float)
-        return np.where(np.isnan(values), np.inf, values)
-
-    return FittedLaw(
-        name=entry["law"],
-        unknowns=tuple(entry["unknowns"]),
-        parameters=int(entry["parameters"]),
-        values=np.array(entry["values"], float),
-        covariance=np.array(entry["covariance"], float),
-        targets=tuple(entry["targets"]),
-        sigma=np.array(entry["sigma"], float),
-        least_size=numbers("least_size"),
-        freedom=numbers("degrees_of_freedom"),
-    )
+    fields = {name: entry[JSON_NAMES.get(name, name)] for name in FittedLaw._fields}
+    for name in ("unknowns", "targets"):
+        fields[name] = tuple(fields[name])
+    for name in ("values", "covariance", "sigma", "least_size", "freedom"):
+        fields[name] = np.array(fields[name], float)
+    for name in ("least_size", "freedom"):
+        # What is infinite is None in the file.
+        fields[name] = np.nan_to_num(fields[name], nan=np.inf, posinf=np.inf)
+    return FittedLaw(**fields)
 
 
 class LawFit(NamedTuple):
@@ -131,7 +114,7 @@ def objective_of(study: Study, contender: Contender) -> Objective:
     """Make the objective function of a law for the tests of a study."""
     law = contender.law
     if not any(law is variant for variant in study.variants):
-        study = dataclasses.replace(study, starts=min(study.starts, STARTS))
+        study = dataclasses.replace(study, starts=min(study.starts, 16))
     if isinstance(law, type):
         return rebound_objective(study, law)
     alone = dataclasses.replace(study, variants=(law,))
@@ -139,16 +122,14 @@ def objective_of(study: Study, contender: Contender) -> Objective:
 
 
 def fit_law(study: Study, contender: Contender) -> LawFit:
-    """Fit a law to the tests of a study.
-
-    Impacts are computed no more accurately than the sigmas need.
+    """Fit a law to the tests of a study, with impacts as accurate as the sigmas need.
 
     Raises InputError where no start gives a prediction.
     """
     objective = objective_of(study, contender)
     if not contender.is_rebound and np.all(study.sigma_given):
         objective = objective.no_finer_than_sigmas()
-    objective, _, best = best_fit(objective)
+    objective, best, *_ = best_fit(objective)
     objective = objective.no_finer_than_sigmas()
     points = objective(best.points.x)
     uncertainty = estimate(objective, points)
@@ -190,24 +171,24 @@ class LawPrediction(NamedTuple):
 
     def distribution(self, test: int, target: int) -> Predictive | None:
         """Make the distribution of one measurement; None where there is none."""
-        cell = test, target
         return predictive(
-            *(self.best[cell][None], np.ones(1)),
-            *(float(self.deviation[cell]), float(self.freedom[target])),
+            values=self.best[test, target][None],
+            weights=np.ones(1),
+            sigma=float(self.deviation[test, target]),
+            freedom=float(self.freedom[target]),
             positive=self.targets[target] in NEVER_NEGATIVE,
         )
 
     def interval(self, test: int, target: int) -> tuple[float, float]:
         """Compute the 95 % interval of one measurement; NaN where there is none."""
-        found, tail = self.distribution(test, target), (1.0 - CONFIDENCE) / 2.0
-        if found is None:
+        distribution, tail = self.distribution(test, target), (1.0 - CONFIDENCE) / 2.0
+        if distribution is None:
             return np.nan, np.nan
-        return found.quantile(tail), found.quantile(1.0 - tail)
+        return distribution.quantile(tail), distribution.quantile(1.0 - tail)
 
 
 def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPrediction:
-    """Predict the tests of a study, which is not fitted; its targets beyond those of
-    the law are left out.
+    """Predict the tests of a study, which is not fitted, as far as the law does.
 
     A nuisance parameter of a group that the fit knows has the fit's value; that of
     another group the mean and the standard deviation of its prior.
@@ -219,9 +200,8 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
     x = np.clip(bounds.coordinate(values), bounds.low, bounds.high)
     points = objective(x[None])
     slope = bounds.slope(x)
-    rows = points.jacobian[0] / slope
-    variance = np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
     predicted = points.predicted[0]
+    variance = variances(points.jacobian[0] / slope, covariance)
     deviation = np.sqrt(fitted.sigma_of(predicted) ** 2 + variance)
     return LawPrediction(
         fitted.name, fitted.targets, predicted, deviation, fitted.freedom
@@ -230,42 +210,38 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
 
 def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
     """Find values and covariance of the unknowns of new tests."""
-    count = fitted.parameters
-    # Index of each unknown among those of the fit; None for a new group.
-    places: list[int | None] = list(range(count))
-    values, variances = [*fitted.values[:count]], [0.0] * count
+    places, values = [*range(fitted.parameters)], [*fitted.values[: fitted.parameters]]
+    known, variances = [*places], [0.0] * len(places)
     for nuisance in study.nuisances:
         for group in range(len(nuisance.groups)):
             label = nuisance.label(group)
             if nuisance.by != EACH_TEST and label in fitted.unknowns:
                 places.append(fitted.unknowns.index(label))
+                known.append(len(values))
                 values.append(fitted.values[places[-1]])
                 variances.append(0.0)
             else:
-                places.append(None)
                 values.append(nuisance.prior.mean)
                 variances.append(nuisance.prior.sd**2)
     covariance = np.diag(variances)
-    new = [row for row, place in enumerate(places) if place is not None]
-    old = [place for place in places if place is not None]
-    covariance[np.ix_(new, new)] = fitted.covariance[np.ix_(old, old)]
+    covariance[np.ix_(known, known)] = fitted.covariance[np.ix_(places, places)]
     return np.array(values), covariance
 
 
 def fit_simple(study: Study) -> tuple[FittedLaw, ...]:
     """Fit constant coefficients, and Pfeiffer and Bowen, to the targets that they
     predict."""
-    targets, found = predicted_by_rebound(study), []
+    targets, fits = predicted_by_rebound(study), []
     if not targets:
         return ()
     study = of_targets(study, targets)
     for name, contender in SIMPLE_LAWS.items():
         tell(name)
         try:
-            found.append(fit_law(study, contender).fitted)
+            fits.append(fit_law(study, contender).fitted)
         except InputError:
             continue  # the predictions say that it is not there
-    return tuple(found)
+    return tuple(fits)
 
 
 def predict_simple(

@@ -26,23 +26,20 @@ all stands for the refit where it is short, as in `cross_validation`.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaln, log_ndtr, logsumexp, stdtr
 
-from ...progress import tell
-from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
+# Not scipy.stats here, which takes 0.6 s to import.
+from scipy.special import log_ndtr, logsumexp
+
+from ..diagnostics.cross_validation import SMALL_STEP, Rest, fits_without, linearised
+from ..diagnostics.posterior import root_of, variances
+from ..diagnostics.predictive import NORMAL_FROM
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.branches import draws_about, has_left, is_abrupt
 from ..estimation.sigma import estimate_sigma, freedom_of_targets
-from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
-
-# Not scipy.stats, which takes 0.6 s to import.
 
 MISSED_BY = 10.0
 """Standard deviations by which a measurement without a prediction counts as missed."""
-NORMAL_FROM = 200.0
-"""Degrees of freedom above which Student's distribution is taken as normal."""
-LEAST_CHANCE = 1e-300
 DRAWS = 128
 """Number of draws at which jumps are looked for, and over which densities are
 averaged."""
@@ -60,8 +57,6 @@ class HeldOut(NamedTuple):
     """Standard deviation of a measurement about its prediction, the same shape."""
     refitted: int
     """Number of groups that were refitted."""
-    unpredicted: int
-    """Number of measurements without a prediction."""
 
 
 def held_out(
@@ -80,92 +75,60 @@ def held_out(
         group: index of the group of each test, shape (tests,).
         exact: whether every group is refitted.
     """
-    study = objective.study
-    groups = np.unique(group[np.any(study.known, axis=1)])
-    left = group[None] == groups[:, None]
+    known = objective.study.known
+    left = group == np.arange(np.max(group) + 1)[:, None]
     steps = linearised(objective, best, left)
     errors = np.where(uncertainty.standard_errors > 0.0, uncertainty.standard_errors, 1)
-    far = np.any(np.abs(steps / errors) > SMALL_STEP, axis=1)
-    refitted = np.ones(len(groups), bool) if exact else far
-    shape = study.measured.shape
-    predicted, deviation = np.full(shape, np.nan), np.full(shape, np.nan)
-    density = np.zeros(len(left[0]))
-
-    for number in range(len(groups)):
-        tell("groups left out", number, len(groups))
-        tests, rest = left[number], objective.without(left[number])
-        if refitted[number]:
-            found = fit(rest, best.x, rule=LEFT_OUT)
-            points = found.points.take([found.best])
-        else:
-            points = move(rest, best, steps[number])
-        of_rest = _predict(rest, points, tests)
-        predicted[tests], deviation[tests] = points.predicted[0, tests], of_rest[0]
-        density[tests] = of_rest[1]
-
-    known = study.known
-    return HeldOut(
-        density=density,
-        predicted=predicted,
-        deviation=deviation,
-        refitted=int(np.sum(refitted)),
-        unpredicted=int(np.sum(known & ~np.isfinite(predicted))),
-    )
+    refitted = exact | np.any(np.abs(steps / errors) > SMALL_STEP, axis=1)
+    steps[refitted] = np.nan
+    predicted, deviation = np.full((2, *known.shape), np.nan)
+    density = np.zeros(len(group))
+    for rest in fits_without(objective, best, group, steps, best.x):
+        predicted[rest.tests] = rest.points.predicted[0, rest.tests]
+        deviation[rest.tests], density[rest.tests] = _predict(rest)
+    return HeldOut(density, predicted, deviation, int(np.sum(refitted)))
 
 
-def _predict(
-    rest: Objective, points: Points, tests: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _predict(fitted: Rest) -> tuple[np.ndarray, np.ndarray]:
     """Compute the deviations of the tests left out, shape (tests left out, targets),
-    and their log densities, shape (tests left out,), by the fit to the rest (points of
-    one lane)."""
-    study, sigma = rest.study, rest.sigma
+    and their log densities, shape (tests left out,)."""
+    tests, rest, points, _ = fitted
+    study = rest.study
     if not np.all(study.sigma_given):
         rest = rest.with_sigma(estimate_sigma(rest, points))
-        points, sigma = rest.reevaluate(points), rest.sigma
+        points = rest.reevaluate(points)
     uncertainty = estimate(rest, points)
     covariance = regular_covariance(rest, points, uncertainty.inflation)
-    rows = points.jacobian[0, tests]
-    variance = np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
-    deviation = np.sqrt(sigma[tests] ** 2 * uncertainty.inflation + variance)
+    variance = variances(points.jacobian[0, tests], covariance)
+    noise = rest.sigma[tests] * np.sqrt(uncertainty.inflation)
+    deviation = np.sqrt(rest.sigma[tests] ** 2 * uncertainty.inflation + variance)
     freedom = np.where(
         study.sigma_given, np.inf, np.maximum(freedom_of_targets(rest, points), 1.0)
     )
     # `without` has taken the measurements away.
-    measured = np.stack([study.tests.measured[n] for n in study.targets], axis=1)
-    u = (measured[tests] - points.predicted[0, tests]) / deviation
-    missing = ~np.isfinite(points.predicted[0, tests])
-    u = np.where(missing, MISSED_BY, u)
-    known, censored = np.isfinite(measured[tests]), study.censored[tests]
-    cells = log_densities(u, deviation, censored, freedom)
-    density = np.sum(np.where(known, cells, 0.0), axis=1)
+    measured = np.stack([study.tests.measured[n] for n in study.targets], axis=1)[tests]
+    known, censored = np.isfinite(measured), study.censored[tests]
+
+    def density(predicted: np.ndarray, deviation: np.ndarray) -> np.ndarray:
+        u = (measured - predicted) / deviation
+        u = np.where(np.isfinite(predicted), u, MISSED_BY)
+        of_cells = log_densities(u, deviation, censored, freedom)
+        return np.sum(np.where(known, of_cells, 0.0), axis=-1)
+
+    at_best = density(points.predicted[0, tests], deviation)
     places = np.flatnonzero(tests)
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    x = draws_about(rest, points, root, DRAWS)
+    x = draws_about(rest, points, root_of(covariance), DRAWS)
     draws = rest.of_tests(places).values(x).predicted
     jumps = _jumps(rest, points, places, x, draws) & np.any(known, axis=1)
-    for place in np.flatnonzero(jumps):
-        noise = sigma[places[place]] * np.sqrt(uncertainty.inflation)
-        u = (measured[places[place]] - draws[:, place]) / noise
-        u = np.where(np.isfinite(draws[:, place]), u, MISSED_BY)
-        limits = np.broadcast_to(censored[place], u.shape)
-        each = log_densities(u, noise, limits, freedom)
-        of_draws = np.sum(np.where(known[place], each, 0.0), axis=1)
-        density[place] = logsumexp(of_draws) - np.log(DRAWS)
-    return deviation, density
+    mixture = logsumexp(density(draws, noise), axis=0) - np.log(DRAWS)
+    return deviation, np.where(jumps, mixture, at_best)
 
 
 def _jumps(
     rest: Objective, points: Points, places: np.ndarray, x: np.ndarray, draws
 ) -> np.ndarray:
-    """Find the tests at some places of which a prediction jumps between the fit and a
-    draw, shape (places,).
-
-    Args:
-        x: draws, shape (draws, unknowns).
-        draws: predictions of these tests there.
-    """
+    """Find the tests at some places of which a prediction jumps between the fit and one
+    of the draws x, shape (places,); `draws` are their predictions there."""
     predicted = np.full((len(x), *rest.study.measured.shape), np.nan)
     predicted[:, places] = draws
     ends = points._replace(x=x, predicted=predicted)
@@ -177,26 +140,20 @@ def _jumps(
 def log_densities(
     u: np.ndarray, deviation: np.ndarray, censored: np.ndarray, freedom: np.ndarray
 ) -> np.ndarray:
-    """Compute the log predictive density of each measurement.
+    """Compute the log predictive density of each measurement, shape (..., targets).
 
     Args:
-        u: measured less predicted over the deviation, shape (tests, targets).
-        deviation: standard deviations, the same shape.
+        u: measured less predicted over the deviation.
+        deviation: standard deviations.
         censored: 1 where the true value is above, -1 where it is below, else 0.
         freedom: degrees of freedom of each target, shape (targets,); infinite where
             sigma is given.
     """
-    normal = np.broadcast_to(freedom >= NORMAL_FROM, u.shape)
-    nu = np.broadcast_to(np.minimum(freedom, NORMAL_FROM), u.shape)
-    of_normal = -0.5 * u**2 - 0.5 * np.log(2.0 * np.pi)
-    of_student = (
-        gammaln(0.5 * (nu + 1.0))
-        - gammaln(0.5 * nu)
-        - 0.5 * np.log(nu * np.pi)
-        - 0.5 * (nu + 1.0) * np.log1p(u**2 / nu)
-    )
-    exact = np.where(normal, of_normal, of_student) - np.log(deviation)
+    from scipy.stats import t
+
+    nu = np.where(freedom < NORMAL_FROM, freedom, np.inf)
     towards = -censored * u
-    chance = np.log(np.maximum(stdtr(nu, towards), LEAST_CHANCE))
-    limit = np.where(normal, log_ndtr(towards), chance)
-    return np.where(censored == 0, exact, limit)
+    # The probability of a limit that is missed by far is no number of double precision.
+    of_student = np.log(np.maximum(t.cdf(towards, nu), 1e-300))
+    limit = np.where(np.isinf(nu), log_ndtr(towards), of_student)
+    return np.where(censored == 0, t.logpdf(u, nu) - np.log(deviation), limit)

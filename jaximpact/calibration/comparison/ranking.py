@@ -70,14 +70,8 @@ def is_tie(apart: float, error: float) -> bool:
 
 
 def stacking_weights(scores: np.ndarray) -> np.ndarray:
-    """Compute the weights with which the mixture of all laws predicts best.
-
-    Args:
-        scores: log predictive densities, shape (units, laws).
-
-    Returns:
-        Weights, shape (laws,); none is negative, their sum is 1.
-    """
+    """Compute the weights, shape (laws,), with which the mixture of all laws predicts
+    best, from log predictive densities, shape (units, laws)."""
     laws = scores.shape[1]
     relative = scores - np.max(scores, axis=1, keepdims=True)
 
@@ -90,5 +84,5 @@ def stacking_weights(scores: np.ndarray) -> np.ndarray:
         share = np.exp(log_parts - total[:, None])
         return -float(np.mean(total)), weights - np.mean(share, axis=0)
 
-    found = minimize(cost, np.zeros(laws), jac=True, method="L-BFGS-B")
-    return softmax(found.x)
+    minimum = minimize(cost, np.zeros(laws), jac=True, method="L-BFGS-B")
+    return softmax(minimum.x)

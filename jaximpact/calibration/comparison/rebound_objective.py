@@ -7,7 +7,7 @@ of measurement stay.
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -19,56 +19,35 @@ from ..._types import Structure
 from ...accuracy import PRESETS, Accuracy
 from ...errors import InputError
 from ...impact.events import Outcome
-from ...quantities import (
-    DERIVED_COLUMNS,
-    columns_of,
-    leaf_places,
-    own_columns,
-)
+from ...quantities import DERIVED_COLUMNS, columns_of, leaf_places, own_columns
 from ...rebound import AbstractRebound, Rebound
 from ...restitution import defined_ratio
 from ...scene import Block, Impact, Scene
 from ..problem.config import Study
 from ..problem.fitted_parameters import Parameter
-from ..problem.forward_model import forward_models, results_in_order, unknown_columns
+from ..problem.forward_model import forward_models, results_in_order
 from ..problem.objective import Objective
 
 NARROWER = {"friction_coefficient": (0.0, 2.0)}
 """Ranges of fits where a law allows much more than is found in the field."""
 
 
-class ReboundResults(NamedTuple):
-    """Results of an impact that follow from its velocities before and after."""
-
-    e_n: Any
-    e_t: Any
-    e_bar: Any
-    R_r: Any
-    v_n_mps: Any
-    v_t_mps: Any
-    omega_radps: Any
-
-
-PREDICTED = (*ReboundResults._fields, *DERIVED_COLUMNS)
+RESULTS = ("e_n", "e_t", "e_bar", "R_r", "v_n_mps", "v_t_mps", "omega_radps")
+"""Results that follow from the velocities before and after an impact."""
+PREDICTED = (*RESULTS, *DERIVED_COLUMNS)
 """Targets that every law of rebound predicts."""
 
 
-def results_of(block: Block, impact: Impact, after: Rebound) -> ReboundResults:
-    """Compute the results of one impact from its velocities after it, in SI."""
+def results_of(block: Block, impact: Impact, after: Rebound) -> dict[str, Array]:
+    """Compute `RESULTS` of one impact from its velocities after it, in SI."""
     v_n, v_t, spin = after
     translational = block.mass * (v_n**2 + v_t**2)
     rotational = block.inertia * spin**2
     before = block.mass * impact.speed**2 + block.inertia * impact.angular_velocity**2
     total = translational + rotational
-    return ReboundResults(
-        e_n=after.e_n(impact),
-        e_t=after.e_t(impact),
-        e_bar=safe_sqrt(total / before),
-        R_r=defined_ratio(rotational, total),
-        v_n_mps=v_n,
-        v_t_mps=v_t,
-        omega_radps=spin,
-    )
+    e_bar, R_r = safe_sqrt(total / before), defined_ratio(rotational, total)
+    values = after.e_n(impact), after.e_t(impact), e_bar, R_r, v_n, v_t, spin
+    return dict(zip(RESULTS, values, strict=True))
 
 
 def parameters_of_law(law: type[AbstractRebound]) -> tuple[Parameter, ...]:
@@ -82,7 +61,7 @@ def parameters_of_law(law: type[AbstractRebound]) -> tuple[Parameter, ...]:
         raise InputError(
             f"the law {law.__name__} has no parameter to fit; leave it out"
         )
-    found = []
+    parameters = []
     for column in columns:
         lower, upper = NARROWER.get(
             column.name,
@@ -93,8 +72,8 @@ def parameters_of_law(law: type[AbstractRebound]) -> tuple[Parameter, ...]:
                 f"the parameter {column.name} of {law.__name__} is "
                 f"{column.range_text}; declare usual=(low, high) to have it fitted"
             )
-        found.append(Parameter(column.name, (lower + upper) / 2.0, lower, upper))
-    return tuple(found)
+        parameters.append(Parameter(column.name, (lower + upper) / 2.0, lower, upper))
+    return tuple(parameters)
 
 
 class ReboundResponse(NamedTuple):
@@ -108,8 +87,8 @@ class ReboundResponse(NamedTuple):
         first = len(jax.tree.leaves(tree[0]))
         inner = jax.tree.structure(tree[1])
         of_law = jax.tree.unflatten(inner, range(first, first + inner.num_leaves))
-        own = {c.name: getattr(of_law, c.field) for c in own_columns(self.law)}
-        return leaf_places(tree[0]) | own
+        of_columns = {c.name: getattr(of_law, c.field) for c in own_columns(self.law)}
+        return leaf_places(tree[0]) | of_columns
 
     def in_xla(self, structure: Structure, leaves: Sequence) -> bool:
         """A law in closed form is a program of XLA."""
@@ -125,8 +104,8 @@ class ReboundResponse(NamedTuple):
 
         # A law of a user's may be written for one impact.
         tree = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, count), tree)
-        found = jax.vmap(of_one)(tree)._asdict()
-        results = results_in_order(self.targets, tree[0], found.__getitem__)
+        values = jax.vmap(of_one)(tree)
+        results = results_in_order(self.targets, tree[0], values.__getitem__)
         return [results], jnp.full(count, float(Outcome.detached))
 
 
@@ -148,6 +127,5 @@ def rebound_objective(study: Study, law: type[AbstractRebound]) -> Objective:
     }
     known = columns_of(scene) | {column.name: column for column in columns}
     response = ReboundResponse(study.targets, law)
-    ground, unknown = (scene, law(**start)), unknown_columns(alone)
-    (model,) = forward_models(alone, [ground], unknown, known, response)
+    (model,) = forward_models(alone, [(scene, law(**start))], known, response)
     return Objective(alone, variant, model, PRESETS["balanced"])

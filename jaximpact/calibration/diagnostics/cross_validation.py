@@ -15,45 +15,39 @@ than a fifth of a standard error of every soil parameter; where more than `AT_MO
 tests move the fit farther, also for those of them that move it least.
 """
 
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
+
+# Not scipy.stats, which takes 0.6 s to import.
 from scipy.special import bdtr
 
 from ...progress import tell, within
-from ..estimation.least_squares import Reason, StoppingRule, bounded_step
+from ..estimation.least_squares import Reason, Tolerance, bounded_step
+from ..estimation.search import fit
 from ..estimation.sigma import sizes
-from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
+from .posterior import variances
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
-# Not scipy.stats, which takes 0.6 s to import.
-
-SMALL = 0.02
-"""Probability below which a number of misses is not due to chance."""
+AT_MOST = 60
+"""Largest number of fits without a test."""
+LEFT_OUT = Tolerance(promise=1e-3, step=1e-4, evaluations=40)
+"""Where fits to the rest may end: a twentieth of a standard error, below the error of
+J C J^T."""
+SMALL_STEP = 0.2
+"""Standard errors below which a Gauss-Newton step replaces the fit: what it lacks is a
+fraction of it, and moves a prediction by a fraction of its error."""
 
 
 def too_few(inside: int, count: int, confidence: float) -> bool:
     """Test whether fewer intervals hold their measurement than chance allows.
 
     The probability of so few among `count` independent intervals of `confidence` each
-    is below `SMALL`.
+    is below 2 %.
     """
-    return bool(bdtr(inside, count, confidence) < SMALL)
-
-
-AT_MOST = 60
-"""Largest number of fits without a test."""
-LEFT_OUT = StoppingRule(
-    1e-4, 1e-4, 1e-3, 1e-2, rejected=8, flat=1e-3, steps=40, joins=False
-)
-"""Stopping rule of fits to the rest: a hundredth of a standard error, below the error
-of J C J^T. Each fits other data, so that none joins another."""
-SMALL_STEP = 0.2
-"""Standard errors below which a Gauss-Newton step replaces the fit: what it lacks is a
-fraction of it, and moves a prediction by a fraction of its error."""
-OTHER_STARTS = 4
-"""Number of ends of other starts from which a fit without a campaign starts too."""
+    return bool(bdtr(inside, count, confidence) < 0.02)
 
 
 class LeftOut(NamedTuple):
@@ -114,9 +108,9 @@ def leave_out_each(
     fitted[np.argsort(-far, kind="stable")[at_most:]] = False
     steps[fitted] = np.nan
     names = tuple(study.tests.name(test) for test in measured)
-    starts = points.x[0][None]
     with within("tests left out: "):
-        return _leave_out(objective, points, uncertainty, names, group, starts, steps)
+        rests = fits_without(objective, points, group, steps, points.x)
+        return _left_out(objective, points, uncertainty, names, group, rests)
 
 
 def leave_out_campaigns(
@@ -137,74 +131,92 @@ def leave_out_campaigns(
     if len(names) < 2:
         return None
     group = np.array([names.index(label) for label in labels])
-    starts = points.x[0][None]
-    if ends is not None:
-        starts = np.concatenate([starts, ends[:OTHER_STARTS]])
+    # Four other ends: each costs a fit without each campaign.
+    starts = points.x if ends is None else np.concatenate([points.x, ends[:4]])
     steps = np.full((len(names), points.x.shape[1]), np.nan)
     with within("campaigns left out: "):
-        return _leave_out(objective, points, uncertainty, names, group, starts, steps)
+        rests = fits_without(objective, points, group, steps, starts)
+        return _left_out(objective, points, uncertainty, names, group, rests)
 
 
 def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.ndarray:
     """Compute the Gauss-Newton step in x towards the fit to the rest, shape (groups,
-    unknowns).
+    unknowns), for masks of the tests left out, shape (groups, tests)."""
+    rests = (objective.without(tests).reevaluate(points) for tests in left)
+    return np.array([bounded_step(objective, rest)[0] for rest in rests])
+
+
+class Rest(NamedTuple):
+    """Fit to all tests but those of a group."""
+
+    tests: np.ndarray
+    """Mask of the group, shape (tests,)."""
+    objective: Objective
+    points: Points
+    """Best fit, one lane."""
+    reason: Reason
+
+
+def fits_without(
+    objective: Objective,
+    points: Points,
+    group: np.ndarray,
+    steps: np.ndarray,
+    starts: np.ndarray,
+) -> Iterator[Rest]:
+    """Yield the fit without each group: made, or where its step is no NaN, the best fit
+    moved by it with the model linearised.
 
     Args:
-        left: mask of the tests left out, shape (groups, tests).
+        group: index of the group of each test, shape (tests,); -1 for none.
+        steps: linearised steps from the best fit, shape (groups, unknowns).
+        starts: starting points of fits, shape (starts, unknowns).
     """
-    bounds, x = objective.bounds, points.x
-    given = np.ones(x.shape, bool), bounds.low - x, bounds.high - x, np.zeros(1)
-    rests = (objective.without(tests).reevaluate(points) for tests in left)
-    return np.array([bounded_step(rest, *given)[0][0] for rest in rests])
-
-
-def _leave_out(objective, points, uncertainty, names, group, starts, steps) -> LeftOut:
-    """Predict each group without it: by its linearised step, or by a fit where that is
-    NaN."""
-    study, size = objective.study, points.x.shape[1]
-    predicted, deviation = np.full((2, *study.measured.shape), np.nan)
-    ends = np.empty((len(names), size))
-    of_whole = sizes(study, points.predicted[0])
     coarser = objective.no_finer_than_sigmas()
-    errors = uncertainty.standard_errors
-
-    reasons = []
-    for number in range(len(names)):
-        tell(f"{number} of {len(names)}")
-        tests, step = group == number, steps[number]
+    for number, step in enumerate(steps):
+        tell("groups left out", number, len(steps))
+        tests = group == number
         if np.all(np.isfinite(step)):
             rest, reason = objective.without(tests), Reason.converged
-            best = move(rest, points, step)
+            predicted = points.predicted + points.jacobian @ step
+            model = predicted, points.outcomes, points.jacobian
+            best = rest.evaluate(points.x + step, *model)
         else:
             rest = coarser.without(tests)
-            fits = fit(rest, starts, rule=LEFT_OUT)
+            fits = fit(rest, starts, tolerance=LEFT_OUT)
             best, reason = fits.points.take([fits.best]), fits.reasons[fits.best]
+        yield Rest(tests, rest, best, reason)
+
+
+def _left_out(
+    objective: Objective,
+    points: Points,
+    uncertainty: Uncertainty,
+    names: tuple[str, ...],
+    group: np.ndarray,
+    rests: Iterable[Rest],
+) -> LeftOut:
+    study = objective.study
+    predicted, deviation = np.full((2, *study.measured.shape), np.nan)
+    of_whole = sizes(study, points.predicted[0])
+    ends, reasons = [], []
+    for tests, rest, best, reason in rests:
         covariance = regular_covariance(rest, best, uncertainty.inflation)
-        rows = best.jacobian[0, tests]
-        variance = np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
         predicted[tests] = best.predicted[0, tests]
         part = sizes(study, best.predicted[0]) / of_whole
         scatter = (objective.sigma * part) ** 2 * uncertainty.inflation
+        variance = variances(best.jacobian[0, tests], covariance)
         deviation[tests] = np.sqrt(scatter[tests] + variance)
-        ends[number] = best.x[0]
+        ends.append(best.x[0])
         reasons.append(reason)
-    moved = (ends - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
+    x, errors = np.array(ends), uncertainty.standard_errors
+    moved = (x - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
     quantile = uncertainty.quantile
-    return LeftOut(names, group, ends, reasons, moved, predicted, deviation, quantile)
-
-
-def move(objective: Objective, points: Points, step: np.ndarray) -> Points:
-    """Move points of one lane by a step, with the model linearised."""
-    x, predicted = points.x + step, points.predicted + points.jacobian @ step
-    return objective.evaluate(x, predicted, points.outcomes, points.jacobian)
+    return LeftOut(names, group, x, reasons, moved, predicted, deviation, quantile)
 
 
 def in_words(left: LeftOut, objective: Objective, what: str) -> list[str]:
-    """Describe how well the rest predicts what was left out.
-
-    Args:
-        what: "test" or "campaign", which was left out.
-    """
+    """Describe how well the rest predicts each "test" or "campaign" left out."""
     study = objective.study
     exact = study.exact & (left.group >= 0)[:, None]
     there = exact & np.isfinite(left.predicted)

@@ -18,6 +18,7 @@ from scipy.special import chdtr
 
 from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import CURVE_COLUMNS
+from ..estimation.evolution import AGREED
 from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, leverages
 from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
@@ -33,37 +34,24 @@ from .nuts import sample_posterior
 from .posterior import FEWEST as FEWEST_DRAWS
 from .posterior import Draws
 from .predictive import Bands, bands_of
-from .residuals import Residuals, residuals_of
+from .residuals import Residuals, residuals_of, rms
 from .results import StudyResult, VariantResult
 from .uncertainty import IMPROBABLE, LEAST_LEFT
 
 WORSE = 1.1
 """Ratio of the rms error and the scatter about the mean above which a fit is worse than
 the mean: for repeated impacts it is that scatter itself."""
-HALF = 0.5
-"""Ratio of estimated sigma and that scatter above which noise may be misfit."""
-FEWEST_FOR_MEAN = 3
-FEWEST = 8
-"""Least number of measurements that can tell the kind of scatter."""
-CLEARLY = 3.0
-"""Logarithm of the likelihood ratio that is reported: 20 to 1."""
-MOST_TIMES = 1e3
-"""Likelihood ratio above which its value does not matter."""
+FEWEST = 3
+"""Least number of measurements whose scatter about their mean is a standard."""
 ANGLES = {"angle_deg": np.pi / 2, "orientation_deg": np.pi}
 """Columns in degrees, and the largest value that they would have in radians."""
-FRACTIONS = {"e_n": 2.0, "e_t": 2.0, "e_contact": 2.0, "e_bar": 2.0}
-"""Results that are ratios, and what half of their measurements do not exceed."""
+RATIOS = ("e_n", "e_t", "e_contact", "e_bar")
+"""Results half of whose measurements do not exceed 2."""
 DEPTHS = (
     "max_penetration_m",
     "max_sinking_m",
     "final_penetration_m",
     "final_sinking_m",
-)
-MOST_DIAMETERS = 10.0
-"""Depth over the block's mean diameter that half of the measurements do not exceed."""
-TOO_FEW_FOR_SIGMA = (
-    "There are too few measurements to estimate their errors: standard errors follow "
-    "from the nominal sigmas, a guess."
 )
 
 
@@ -83,8 +71,7 @@ class Examination(NamedTuple):
     together: Suggestions
     """Further tests that measure all results."""
     posterior: Draws
-    """Draws of which bands and predictions are made: those by NUTS where there are, and
-    enough of them are independent."""
+    """Draws of bands and predictions: those by NUTS where enough are independent."""
     samples: Draws | None = None
     """Draws by NUTS, where asked for."""
 
@@ -112,24 +99,24 @@ def examine(
 
 
 def _examine(
-    result: StudyResult,
-    variant: VariantResult,
-    posterior: bool,
+    result: StudyResult, variant: VariantResult, posterior: bool
 ) -> Examination:
     study, objective, points = result.study, variant.objective, variant.points
-    seed, inflation = study.seed, variant.uncertainty.inflation
+    inflation = variant.uncertainty.inflation
     draws = check(variant.draws, objective, inflation)
     fit, each = (objective, points, variant.uncertainty), None
     if np.sum(np.any(study.known, axis=1)) > 1:
         each = leave_out_each(*fit)
-    order = np.argsort(variant.start_costs, kind="stable")
+    order = np.argsort(variant.end_costs, kind="stable")
     ends = variant.bounds.coordinate(variant.end_parameters[order])
     campaigns = leave_out_campaigns(*fit, ends)
     tell("further tests")
     wanted = study.candidates
     single, together = (
         suggest_tests(
-            *(variant, wanted.axes, wanted.measure),
+            variant,
+            wanted.axes,
+            wanted.measure,
             together=together,
             count=wanted.count,
             criterion=wanted.criterion,
@@ -138,7 +125,7 @@ def _examine(
     )
     best, samples = draws, None
     if posterior:
-        samples = sample_posterior(variant, seed=seed, draws=draws)
+        samples = sample_posterior(variant, seed=study.seed, draws=draws)
         best = samples.thinned(COUNT) if samples.trusted else draws
     return Examination(
         residuals=residuals_of(objective, points, inflation),
@@ -160,12 +147,12 @@ def fit_of_target(result: StudyResult, variant: VariantResult, target: int) -> d
     difference = variant.predicted[:, target] - study.measured[:, target]
     censored = study.censored[:, target]
     known = difference[np.isfinite(difference) & (censored == 0)]
-    found: dict = {"rms": None, "max": None, "bias": None}
+    errors: dict = {"rms": rms(known), "max": None, "bias": None}
     if len(known):
-        rms, most = np.sqrt(np.mean(known**2)), np.max(np.abs(known))
-        found = dict(rms=float(rms), max=float(most), bias=float(np.mean(known)))
+        most = np.max(np.abs(known))
+        errors |= {"max": float(most), "bias": float(np.mean(known))}
     broken = (censored != 0) & (difference * censored < 0.0)
-    return found | {"limits_broken": int(np.sum(broken))}
+    return errors | {"limits_broken": int(np.sum(broken))}
 
 
 def freedom_text(freedom: float) -> str:
@@ -194,30 +181,28 @@ def warnings_of(
             f"The residuals of {target} depend on {' and '.join(against)}: the model "
             "is biased, and errors that take the misfit as random are too small."
         )
-    for what, left in (
-        ("test", diagnostics.each),
-        ("campaign", diagnostics.campaigns),
-    ):
+    for what, left in (("test", diagnostics.each), ("campaign", diagnostics.campaigns)):
         words = cross_validation_in_words(left, variant.objective, what) if left else []
         lines += [line for line in words if "fewer than chance" in line]
     lines += jumps_in_words(variant, diagnostics.each)
     lines += _doubtful_draws(diagnostics)
-    found, starts = np.sum(variant.reached), len(variant.start_costs)
-    if found == 0:
+    if variant.found_later:
         lines.append(
-            "No start ended at the best fit, which was found later: there may be a "
-            "better one."
+            "The search did not find the best fit, which was found later: there may be "
+            "a better one."
         )
-    if found == 1 and starts > 1:
-        lines.append("Only one start found the best fit: there may be a better one.")
+    if variant.agreed < AGREED * variant.members:
+        lines.append(
+            f"Only {variant.agreed} of {variant.members} members of the search came to "
+            "one place: there may be a better fit."
+        )
     if variant.failed:
         lines.append(f"{variant.failed} predictions could not be computed.")
     return lines
 
 
 def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
-    """Warn of a misfit above or far below the given sigmas, and of few degrees of
-    freedom."""
+    """Warn of a misfit above or far below the given sigmas, and of few tests."""
     uncertainty, lines = variant.uncertainty, []
     if uncertainty.inflation > 1.0:
         lines.append(
@@ -238,7 +223,10 @@ def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
             "how good the fit is."
         )
     if freedom < LEAST_FREEDOM and not np.all(study.sigma_given):
-        lines.append(TOO_FEW_FOR_SIGMA)
+        lines.append(
+            "There are too few measurements to estimate their errors: standard errors "
+            "follow from the nominal sigmas, a guess."
+        )
     return lines
 
 
@@ -276,15 +264,14 @@ def doubtful_units(study: Study) -> list[str]:
             )
     for place, name in enumerate(study.targets):
         middle = np.nanmedian(study.measured[:, place])
-        if middle > FRACTIONS.get(name, np.inf):
+        if name in RATIOS and middle > 2.0:
             lines.append(
                 f"Half of the measurements of {name} are above {middle:.3g}, and are "
                 "read as ratios: are these per cent?"
             )
     e_n = study.tests.measured["e_n"] if "e_n" in study.targets else np.zeros(1)
-    in_per_cent = np.nanmedian(e_n) > FRACTIONS["e_n"]
-    above = [] if in_per_cent else np.flatnonzero(e_n > 1.0)
-    if len(above):
+    above = np.flatnonzero(e_n > 1.0)
+    if len(above) and not np.nanmedian(e_n) > 2.0:
         names = ", ".join(study.tests.name(test) for test in above[:MOST_NAMED])
         more = f" and {len(above) - MOST_NAMED} more" * (len(above) > MOST_NAMED)
         lines.append(
@@ -293,11 +280,9 @@ def doubtful_units(study: Study) -> list[str]:
         )
     semi_axes = np.asarray(study.scene_of(study.variants[0]).block.semi_axes)
     diameter = 2.0 * np.cbrt(np.prod(semi_axes, axis=0))
-    for name in study.targets:
-        if name not in DEPTHS:
-            continue
+    for name in (name for name in study.targets if name in DEPTHS):
         middle = np.nanmedian(study.tests.measured[name] / diameter)
-        if middle > MOST_DIAMETERS:
+        if middle > 10.0:
             lines.append(
                 f"Half of the measurements of {name} are above {middle:.3g} diameters "
                 "of the block, and are read as metres: are these millimetres or "
@@ -330,7 +315,7 @@ def _misfit(result: StudyResult, variant: VariantResult, place: int) -> _Misfit 
     study = result.study
     exact = study.exact[:, place]
     rms = fit_of_target(result, variant, place)["rms"]
-    if np.sum(exact) < FEWEST_FOR_MEAN or rms is None:
+    if np.sum(exact) < FEWEST or rms is None:
         return None
     measured = study.measured[exact, place]
     sigma = float(np.median(variant.sigma[exact, place]))
@@ -343,50 +328,44 @@ def _misfit(result: StudyResult, variant: VariantResult, place: int) -> _Misfit 
 
 def not_described(result: StudyResult, variant: VariantResult) -> list[str]:
     """List the targets that their mean would fit better than the model does."""
-    found = [_misfit(result, variant, t) for t in range(len(result.study.targets))]
-    named = zip(result.study.targets, found, strict=True)
+    misfits = [_misfit(result, variant, t) for t in range(len(result.study.targets))]
+    named = zip(result.study.targets, misfits, strict=True)
     return [name for name, misfit in named if misfit is not None and misfit.is_no_fit]
 
 
 def _large_misfit(
     result: StudyResult, variant: VariantResult, place: int, name: str
 ) -> list[str]:
-    """Warn of a fit that is no better than the mean of the measurements."""
-    found = _misfit(result, variant, place)
-    if found is None:
+    misfit = _misfit(result, variant, place)
+    if misfit is None:
         return []
-    if found.is_no_fit:
+    if misfit.is_no_fit:
         return [
-            f"R2 of {name} is below 0: the rms error of the fit is {found.rms:.3g}, "
-            f"the standard deviation of the measurements {found.of_mean:.3g}. The "
+            f"R2 of {name} is below 0: the rms error of the fit is {misfit.rms:.3g}, "
+            f"the standard deviation of the measurements {misfit.of_mean:.3g}. The "
             "model does not describe them, or inputs or units are wrong."
         ]
-    if not found.given and found.sigma > max(HALF * found.of_mean, found.least):
+    if not misfit.given and misfit.sigma > max(0.5 * misfit.of_mean, misfit.least):
         mean = " on average" if result.study.proportional[place] else ""
         return [
-            f"The scatter estimated for {name}, {found.sigma:.3g}{mean}, is more than "
-            f"half of the standard deviation of its measurements, {found.of_mean:.3g}. "
-            "If they are more accurate than that, the model is biased: state their "
-            "sigma."
+            f"The scatter estimated for {name}, {misfit.sigma:.3g}{mean}, is more than "
+            "half of the standard deviation of its measurements, "
+            f"{misfit.of_mean:.3g}. If they are more accurate than that, the "
+            "model is biased: state their sigma."
         ]
     return []
 
 
 def worse_than_mean(study: Study, left: LeftOut | None, place: int) -> list[str]:
-    """Warn of a target that the mean of the other tests predicts better than the fit to
-    them.
-
-    Args:
-        left: cross-validation test by test, if there is one.
-        place: index of the target.
-    """
+    """Warn of a target, by its index, that the mean of the other tests predicts better
+    than the fit to them, which predicts it as `left` says."""
     name = study.targets[place]
     if left is None or name in CURVE_COLUMNS:
         return []
     predicted = left.predicted[:, place]
     exact = study.exact[:, place] & np.isfinite(predicted)
     count = int(np.sum(exact))
-    if count < FEWEST_FOR_MEAN:
+    if count < FEWEST:
         return []
     measured = study.measured[exact, place]
     of_mean = float(np.std(measured)) * count / (count - 1.0)
@@ -406,12 +385,8 @@ def doubtful_scatter(
     """Warn of targets whose residuals clearly show the other kind of scatter.
 
     Only exact measurements count, all predicted with one sign, and only Gaussian
-    losses: an outlier, which a robust loss tolerates, would decide the ratio.
-
-    Args:
-        points: the best fit, of one lane.
-        biased: targets that are skipped, since their residuals have a trend: they are
-            misfit, not scatter.
+    losses: an outlier, which a robust loss tolerates, would decide the ratio. Targets
+    that are `biased` are skipped: what has a trend is misfit, not scatter.
     """
     study = objective.study
     if study.loss != LOSSES[0]:
@@ -426,7 +401,8 @@ def doubtful_scatter(
             continue
         used = exact[:, target] & (left[:, target] > LEAST_LEFT)
         value, measured = predicted[used, target], study.measured[used, target]
-        if len(value) < FEWEST or np.min(value) * np.max(value) <= 0.0:
+        # Fewer do not show the kind of scatter.
+        if len(value) < 8 or np.min(value) * np.max(value) <= 0.0:
             continue
         residual = (measured - value) / np.sqrt(left[used, target])
         size = np.maximum(np.abs(value), least[target])
@@ -435,7 +411,7 @@ def doubtful_scatter(
         for_proportional = log_ratio(residual, size)
         is_proportional = study.proportional[target]
         against = -for_proportional if is_proportional else for_proportional
-        if against > CLEARLY:
+        if against > 3.0:
             name = study.targets[target]
             lines.append(_scatter_in_words(name, is_proportional, against))
     return lines
@@ -449,8 +425,7 @@ def log_ratio(residual: np.ndarray, size: np.ndarray) -> float:
 
 
 def _scatter_in_words(name: str, is_proportional: bool, against: float) -> str:
-    many = against > np.log(MOST_TIMES)
-    times = f"more than {MOST_TIMES:g}" if many else f"{np.exp(against):.0f}"
+    times = "more than 1000" if against > np.log(1e3) else f"{np.exp(against):.0f}"
     if is_proportional:
         return (
             f"The residuals of {name} do not grow with its value: constant scatter is "

@@ -47,21 +47,13 @@ from .uncertainty import bounds_information, regular_covariance
 
 ALL = "all of these"
 GUESSED = ("max_penetration_m", "max_normal_force_N")
-"""Results assumed measurable too, with a relative error of `GUESSED_ERROR`, where
-nothing is said of what can be measured."""
-GUESSED_ERROR = 0.1
+"""Results assumed measurable to 10 % too, where nothing is said of what can be
+measured."""
 ALWAYS_POSITIVE = (
     *("max_penetration_m", "max_sinking_m", "max_normal_force_N", "duration_s"),
 )
 """Results whose error is relative; others, which pass through zero, have an absolute
 one."""
-SPEEDS = (0.5, 1.0, 2.0)
-"""Speeds of the candidates over the median of the tests."""
-ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0)
-ORIENTATIONS = (0.0, 30.0, 60.0, 90.0, 120.0, 150.0)
-STANDS_IN = 0.5
-"""Fraction of the information due to the bounds above which they are said to replace
-data."""
 
 
 class Suggestion(NamedTuple):
@@ -87,7 +79,6 @@ class Suggestions(NamedTuple):
     names: tuple[str, ...]
     """Names of the soil's parameters."""
     criterion: str
-    """"D" or "A"."""
     measure: dict[str, Sigma]
     """Results that can be measured, and their errors."""
     fixed: dict[str, float]
@@ -102,10 +93,10 @@ class Suggestions(NamedTuple):
     candidates: dict[str, np.ndarray]
     """Scenes of the candidates, shape (candidates,)."""
     ways: tuple[str, ...]
-    """Results that can be measured in a test: result columns, or `ALL`."""
+    """What can be measured in a test: result columns, or `ALL`."""
     volumes: np.ndarray
-    """Factor by which the mean axis of the error ellipsoid shrinks with each candidate
-    and way as the next test alone, shape (candidates, ways); 1 for no gain."""
+    """Gain of each candidate and way as the next test alone, as `Suggestion.volume`,
+    shape (candidates, ways); 1 for no gain."""
     columns: dict[str, InputColumn]
     """Columns of the scene."""
     left_out: int
@@ -130,8 +121,6 @@ def choose(
     Args:
         information: present information, positive, shape (parameters, parameters).
         gains: information of each candidate, (candidates, parameters, parameters).
-        count: number of measurements.
-        criterion: one of `CRITERIA`.
     """
     covariances, chosen = [inverse_positive(information)], []
     for _ in range(count):
@@ -219,7 +208,7 @@ def suggest_tests(
         fixed={n: v for n, v in common.items() if n not in scenes},
         now=now,
         undetermined=[v.name for v in fitted.verdicts if not v.determined],
-        stood_in=[n for n, p in zip(names, of_bounds, strict=True) if p > STANDS_IN],
+        stood_in=[n for n, p in zip(names, of_bounds, strict=True) if p > 0.5],
         chosen=_chosen(design, scenes, ways, tuple(sigmas), predicted),
         candidates=scenes,
         ways=ways,
@@ -234,8 +223,8 @@ def _information(
 ) -> np.ndarray:
     """Compute J^T J / sigma^2 of every candidate and result, shape (candidates,
     results, parameters, parameters)."""
-    given = np.array([(sigma.absolute, sigma.relative) for sigma in sigmas.values()])
-    spread = np.hypot(given[:, 0], given[:, 1] * np.abs(predicted))
+    parts = np.array([(sigma.absolute, sigma.relative) for sigma in sigmas.values()])
+    spread = np.hypot(parts[:, 0], parts[:, 1] * np.abs(predicted))
     useful = np.isfinite(predicted) & (spread > 0.0)
     rows = jacobian / np.where(useful, spread, 1.0)[..., None]
     rows = np.where(useful[..., None] & np.isfinite(rows), rows, 0.0)
@@ -260,20 +249,16 @@ def _chosen(design: Design, scenes, ways, results, predicted) -> list[Suggestion
 
 
 def default_axes(common: dict[str, float], scene: Scene) -> dict[str, np.ndarray]:
-    """Choose candidate angles, speeds and, unless the block is round, orientations.
-
-    Args:
-        common: median of each quantity of the tests.
-        scene: scene of the tests.
-    """
+    """Choose candidate angles, speeds and, unless the block is round, orientations, by
+    the median of each quantity of the tests."""
     speed = common.get("speed_mps", columns_of(scene)["speed_mps"].default)
     axes = {
-        "angle_deg": np.array(ANGLES),
-        "speed_mps": np.array([float(f"{part * speed:.3g}") for part in SPEEDS]),
+        "angle_deg": np.arange(0.0, 90.0, 15.0),
+        "speed_mps": np.array([float(f"{x * speed:.3g}") for x in (0.5, 1.0, 2.0)]),
     }
     is_elliptic = isinstance(scene.block.shape, Ellipsoid | EllipticCylinder)
     if not is_elliptic or common.get("aspect_ratio", 1.0) != 1.0:
-        axes["orientation_deg"] = np.array(ORIENTATIONS)
+        axes["orientation_deg"] = np.arange(0.0, 180.0, 30.0)
     return axes
 
 
@@ -299,7 +284,7 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
         else:
             measure[name] = Sigma(absolute=float(np.median(sigma)))
     guessed = (name for name in GUESSED if name not in measure)
-    return measure | {name: Sigma(relative=GUESSED_ERROR) for name in guessed}
+    return measure | {name: Sigma(relative=0.1) for name in guessed}
 
 
 def _common(fitted: VariantResult) -> dict[str, float]:
@@ -351,26 +336,21 @@ def _most_frequent(scene: Scene) -> tuple[Scene, np.ndarray]:
     """Find the most frequent shape of the tests, as their scene with that shape alone,
     and the most frequent value of each leaf."""
     alone = max(
-        (one for one, _ in each_shape(scene)), key=lambda one: len(one.impact.speed)
+        (one for one, _ in each_shape(scene)), key=lambda s: len(s.impact.speed)
     )
-    each = (
-        np.unique(np.asarray(leaf), return_counts=True)
-        for leaf in jax.tree.leaves(alone)
-    )
+    each = [np.unique(x, return_counts=True) for x in jax.tree.leaves(alone)]
     return alone, np.array([values[np.argmax(counts)] for values, counts in each])
 
 
-def as_table(found: Suggestions) -> Table:
+def as_table(advice: Suggestions) -> Table:
     """Write the chosen tests as a table."""
-    errors = (f"error of {name}" for name in found.names)
-    columns = ("test", *found.candidates, "measured", *errors, "mean")
-    now = {
-        n: f"{100 * error:.3g} %"
-        for n, error in zip(found.names, found.now, strict=True)
-    }
-    present = (now | dict.fromkeys(found.undetermined, "not identifiable")).values()
-    rows = [("now", *("" for _ in found.candidates), "", *present, "")]
-    for number, one in enumerate(found.chosen, 1):
+    errors = (f"error of {name}" for name in advice.names)
+    columns = ("test", *advice.candidates, "measured", *errors, "mean")
+    now = [f"{100 * error:.3g} %" for error in advice.now]
+    present = dict(zip(advice.names, now, strict=True))
+    present |= dict.fromkeys(advice.undetermined, "not identifiable")
+    rows = [("now", *("" for _ in advice.candidates), "", *present.values(), "")]
+    for number, one in enumerate(advice.chosen, 1):
         errors = [
             f"{100 * error:.3g} % (1/{factor:.3g})"
             for error, factor in zip(one.errors, one.factors, strict=True)
@@ -383,17 +363,17 @@ def as_table(found: Suggestions) -> Table:
     return Table(columns, rows)
 
 
-def in_words(found: Suggestions) -> list[str]:
+def in_words(advice: Suggestions) -> list[str]:
     """Recommend the next test, and state the assumptions of the advice."""
     lines = []
-    first = found.chosen[0]
+    first = advice.chosen[0]
     where = ", ".join(f"{name} {value:g}" for name, value in first.scene.items())
     what = "everything listed" if first.measured == ALL else first.measured
     if first.volume < 1.005:
         lines.append("No candidate would add information.")
     else:
         shrunk = [
-            f"that of {found.names[index]} by {first.factors[index]:.3g}"
+            f"that of {advice.names[index]} by {first.factors[index]:.3g}"
             for index in np.argsort(-first.factors)
             if first.factors[index] >= 1.05
         ]
@@ -402,29 +382,29 @@ def in_words(found: Suggestions) -> list[str]:
             plural = "s" * (len(shrunk) > 1)
             effect = f"It divides the standard error{plural}: {', '.join(shrunk)}"
         lines.append(f"The next test: {where}, measuring {what}. {effect}.")
-    measured = ", ".join(f"{name} to {sigma}" for name, sigma in found.measure.items())
+    measured = ", ".join(f"{name} to {sigma}" for name, sigma in advice.measure.items())
     lines.append(f"Assumed measurable: {measured}.")
-    if found.undetermined:
-        names = ", ".join(found.undetermined)
-        verb = "is" if len(found.undetermined) == 1 else "are"
+    if advice.undetermined:
+        names = ", ".join(advice.undetermined)
+        verb = "is" if len(advice.undetermined) == 1 else "are"
         lines.append(
             f"{names} {verb} not identifiable from these tests, and the best fit may "
             "be far from the truth along them; the advice holds for a soil like the "
             "best fit."
         )
-    if found.stood_in:
+    if advice.stood_in:
         lines.append(
-            f"For {', '.join(found.stood_in)} the bounds replace data, as a uniform "
+            f"For {', '.join(advice.stood_in)} the bounds replace data, as a uniform "
             "distribution over the range: gains depend on how wide they are."
         )
-    if found.left_out:
+    if advice.left_out:
         lines.append(
-            f"{found.left_out} of {len(found.volumes)} candidates have no result and "
+            f"{advice.left_out} of {len(advice.volumes)} candidates have no result and "
             "are left out."
         )
     return lines
 
 
-def as_text(found: Suggestions) -> str:
+def as_text(advice: Suggestions) -> str:
     """Write table and advice as text."""
-    return "\n".join([as_table(found).text(), "", *in_words(found)]) + "\n"
+    return "\n".join([as_table(advice).text(), "", *in_words(advice)]) + "\n"

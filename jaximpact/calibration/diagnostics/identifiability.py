@@ -19,7 +19,7 @@ import numpy as np
 
 from ...progress import within
 from ..estimation.least_squares import ROUGH, Fits
-from ..estimation.starts import fit
+from ..estimation.search import fit
 from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
 from .uncertainty import USELESS_ERROR, Uncertainty
@@ -29,26 +29,8 @@ NEAR = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
 GRID = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
 """Fractions of its range at which a parameter is fixed too where its 95 % interval
 extends beyond these points."""
-FOLLOWED = 0.3
-"""Standard error, in x, up to which the curvature at the best fit predicts the others:
-beyond, the cost is no parabola."""
-ONE_SIGMA = 1.0
-"""Likelihood-ratio statistic at the ends of the 68 % interval."""
-AGAIN = 2
-"""Rounds in which points are fitted again from their neighbours."""
 LOWER = 1e-2
 """Fall of the cost, in s^2, that counts as an improvement."""
-MATTERS = 50.0
-"""Rise of the cost, in s^2, beyond which no fit starts from a point: ten standard
-deviations."""
-NONE_FIXED = -1
-FAR_OFF, FAR_OFF_AT_LEAST = 3.0, 0.05
-"""Standard errors, and difference in x, beyond which a fit of equal cost is another
-one."""
-SILENT = 0.9
-"""Fraction of a prior's standard error above which the tests add no information."""
-SMALL_EXPONENT = 0.1
-"""Exponents below this are left out of a parameter combination."""
 TOGETHER = 1e-3
 """Component of a combination without information above which a parameter acts in it."""
 ENDLESS_ERROR = 1e6
@@ -94,25 +76,27 @@ def profile_all(
     follow = np.array(
         [_following(points.hessian[0], i, errors[i]) for i in range(count)]
     )
-    found = _Fixed(
-        best[None],
-        rough.values(best[None]).cost,
-        np.array([NONE_FIXED]),
-        np.zeros(1, bool),
-    )
-    values = _near(rough.bounds, best, errors, count)
+    best_cost, unfixed = rough.values(best[None]).cost, np.array([-1])
+    fits = _Fixed(best[None], best_cost, unfixed, np.zeros(1, bool))
+    low, high = rough.bounds.low, rough.bounds.high
+    near = (best + np.array(NEAR)[:, None] * errors)[:, :count].T
+    values = [x[(x > low[i]) & (x < high[i])] for i, x in enumerate(near)]
     widened = np.zeros(count, bool)
     while True:
-        found = _fit_at(rough, found, values, follow)
-        _fit_again(rough, found, follow)
-        bracketed = [_is_bracketed(found, uncertainty, i) for i in range(count)]
-        wide = ~widened & ~np.array(bracketed)
+        fits = _fit_at(rough, fits, values, follow)
+        _fit_again(rough, fits, follow)
+        wide = ~widened
+        for index in range(count):
+            along, rise = _rise(fits, index, uncertainty)
+            inside = rise <= uncertainty.quantile**2
+            within_range = along[0] < best[index] < along[-1]
+            wide[index] &= not within_range or inside[0] or inside[-1]
         if not np.any(wide):
             break
         grid = rough.bounds.at_fraction(np.array(GRID)[:, None])
         values = [grid[:, i] if wide[i] else grid[:0, i] for i in range(count)]
         widened |= wide
-    return [_profile(objective, index, found, uncertainty) for index in range(count)]
+    return [_profile(objective, index, fits, uncertainty) for index in range(count)]
 
 
 class _Fixed(NamedTuple):
@@ -121,55 +105,36 @@ class _Fixed(NamedTuple):
     x: np.ndarray
     cost: np.ndarray
     fixed: np.ndarray
-    """Index of the unknown that is fixed, or NONE_FIXED."""
+    """Index of the unknown that is fixed; -1 for the best fit."""
     doubtful: np.ndarray
     """Mask of those that ended away from a minimum."""
 
 
-def _near(bounds: Bounds, best, errors, count: int) -> list[np.ndarray]:
-    """List values about the best fit at which each parameter is fixed."""
-    values = (best[i] + np.array(NEAR) * errors[i] for i in range(count))
-    return [
-        near[(near > bounds.low[i]) & (near < bounds.high[i])]
-        for i, near in enumerate(values)
-    ]
-
-
-def _is_bracketed(found: _Fixed, uncertainty: Uncertainty, index: int) -> bool:
-    """Tell whether the 95 % interval of a parameter ends within the values at which it
-    was fixed."""
-    along, rise = _rise(found, index, uncertainty)
-    best, inside = found.x[0, index], rise <= uncertainty.quantile**2
-    return bool(along[0] < best < along[-1] and not (inside[0] or inside[-1]))
-
-
 def _fit_at(
-    rough: Objective,
-    found: _Fixed,
-    values: list[np.ndarray],
-    follow: np.ndarray,
+    rough: Objective, fits: _Fixed, values: list[np.ndarray], follow: np.ndarray
 ) -> _Fixed:
     """Add fits with each parameter fixed at its values; the others start where the
     curvature predicts them."""
-    fixed = np.repeat(np.arange(len(values)), [len(some) for some in values])
+    fixed = np.repeat(np.arange(len(values)), [len(x) for x in values])
     if not len(fixed):
-        return found
-    best = np.repeat(found.x[:1], len(fixed), axis=0)
+        return fits
+    best = np.repeat(fits.x[:1], len(fixed), axis=0)
     starts = _moved(rough.bounds, best, fixed, np.concatenate(values), follow)
-    free = np.arange(len(found.x[0])) != fixed[:, None]
-    fits = fit(rough, starts, free, rule=ROUGH)
-    doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
-    more = fits.points.x, fits.points.cost, fixed, doubtful
-    return _Fixed(*map(np.concatenate, zip(found, more, strict=True)))
+    free = np.arange(len(fits.x[0])) != fixed[:, None]
+    again = fit(rough, starts, free, tolerance=ROUGH)
+    doubtful = np.array([not reason.at_minimum for reason in again.reasons])
+    more = again.points.x, again.points.cost, fixed, doubtful
+    return _Fixed(*map(np.concatenate, zip(fits, more, strict=True)))
 
 
-def _fit_again(rough: Objective, found: _Fixed, follow: np.ndarray) -> None:
+def _fit_again(rough: Objective, fits: _Fixed, follow: np.ndarray) -> None:
     """Fit points from their neighbours where these are lower, in place."""
-    x, cost, fixed, doubtful = found
-    for number in range(1, AGAIN + 1):
-        matters = cost - np.min(cost) <= MATTERS * rough.unit(np.min(cost))
+    x, cost, fixed, doubtful = fits
+    for number in (1, 2):
+        # No fit starts from a point beyond ten standard deviations.
+        matters = cost - np.min(cost) <= 50.0 * rough.unit(np.min(cost))
         known = np.where(matters, cost, np.inf)
-        lanes, others = _with_lower_neighbours(found._replace(cost=known))
+        lanes, others = _with_lower_neighbours(fits._replace(cost=known))
         if not len(lanes):
             break
         value = x[lanes, fixed[lanes]]
@@ -181,7 +146,7 @@ def _fit_again(rough: Objective, found: _Fixed, follow: np.ndarray) -> None:
             break
         free = np.arange(x.shape[1]) != fixed[lanes][:, None]
         with within(f"again {number}, "):
-            again = fit(rough, begin, free, rule=ROUGH).points
+            again = fit(rough, begin, free, tolerance=ROUGH).points
         doubtful[:] = False
         for lane, at, new in zip(lanes, again.x, again.cost, strict=True):
             if new < cost[lane] - LOWER * rough.unit(new):
@@ -200,23 +165,23 @@ def _moved(bounds: Bounds, x, fixed, value, follow: np.ndarray) -> np.ndarray:
 
 def _following(hessian: np.ndarray, fixed: int, error: float) -> np.ndarray:
     """Compute the derivatives of the unknowns with respect to a fixed one, along the
-    minimum of a quadratic cost; those of the others are 0 where the standard error is
-    so large that the cost is no parabola."""
+    minimum of a quadratic cost. Beyond a standard error of 0.3 the cost is no parabola,
+    and those of the others are 0."""
     others = np.arange(len(hessian)) != fixed
     follow = (~others).astype(float)
-    if error <= FOLLOWED:
+    if error <= 0.3:
         rest = np.linalg.pinv(hessian[np.ix_(others, others)], hermitian=True)
         follow[others] = -rest @ hessian[others, fixed]
     return follow
 
 
-def _with_lower_neighbours(found: _Fixed) -> tuple[np.ndarray, np.ndarray]:
+def _with_lower_neighbours(fits: _Fixed) -> tuple[np.ndarray, np.ndarray]:
     """Choose points to be fitted again, and the neighbours from which they start.
 
     A neighbour has a lower cost and lies farther out, as it should not, or one of the
     two is doubtful.
     """
-    x, cost, fixed, doubtful = found
+    x, cost, fixed, doubtful = fits
     pairs = []
     for index in np.unique(fixed[1:]):
         rows = np.flatnonzero(fixed == index)
@@ -231,15 +196,15 @@ def _with_lower_neighbours(found: _Fixed) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _profile(
-    objective: Objective, index: int, found: _Fixed, uncertainty: Uncertainty
+    objective: Objective, index: int, fits: _Fixed, uncertainty: Uncertainty
 ) -> LikelihoodProfile:
     """Make the profile of one parameter from the points at which it was fixed and the
     best fit."""
-    bounds, x, cost = objective.bounds, found.x, found.cost
-    rows = np.flatnonzero(found.fixed == index)
+    bounds, x, cost = objective.bounds, fits.x, fits.cost
+    rows = np.flatnonzero(fits.fixed == index)
     lowest = rows[np.argmin(cost[rows])]
-    along, rise = _rise(found, index, uncertainty)
-    limits = ONE_SIGMA, uncertainty.quantile**2
+    along, rise = _rise(fits, index, uncertainty)
+    limits = 1.0, uncertainty.quantile**2
     ends = (end for limit in limits for end in _within(along, rise, limit))
 
     def value(at: float | None) -> float | None:
@@ -259,14 +224,14 @@ def _profile(
 
 
 def _rise(
-    found: _Fixed, index: int, uncertainty: Uncertainty
+    fits: _Fixed, index: int, uncertainty: Uncertainty
 ) -> tuple[np.ndarray, np.ndarray]:
     """Collect the values at which a parameter was fixed and that of the best fit,
     ascending, and the likelihood-ratio statistic at each."""
-    rows = np.append(np.flatnonzero(found.fixed == index), 0)
+    rows = np.append(np.flatnonzero(fits.fixed == index), 0)
     # At a bound the best fit is one of the points.
-    along, first = np.unique(found.x[rows, index], return_index=True)
-    costs = found.cost[rows][first]
+    along, first = np.unique(fits.x[rows, index], return_index=True)
+    costs = fits.cost[rows][first]
     return along, 2.0 * (costs - np.min(costs)) / uncertainty.inflation
 
 
@@ -296,18 +261,6 @@ class Verdict(NamedTuple):
     """Whether the parameter is identifiable from the tests."""
     reason: str
     """Reason why not; empty for an identifiable parameter."""
-
-
-def _large_error(error: float, partners: Sequence[str]) -> str:
-    if error <= ENDLESS_ERROR:
-        return f"its standard error is {error:.3g} times its value or half range"
-    if partners:
-        names = " and ".join(partners)
-        return f"it acts only together with {names}, as one combination"
-    return (
-        "it has no influence on the measured results, or none that the other "
-        "parameters could not compensate"
-    )
 
 
 def interval_text(low: float | None, high: float | None) -> str:
@@ -353,21 +306,34 @@ def judge_all(
                 "meaning"
             )
         if error > USELESS_ERROR:
-            reasons.append(_large_error(error, partners(objective, uncertainty, place)))
-        if prior[place] > 0.0 and error > SILENT * (1.0 / np.sqrt(prior[place])):
+            others_too = partners(objective, uncertainty, place)
+            reasons.append(_large_error(error, others_too))
+        if prior[place] > 0.0 and error > 0.9 / np.sqrt(prior[place]):
             reasons.append("the tests add no information to its prior")
         if profile := profiles.get(parameter.name):
             reasons += _of_profile(profile, bool(reasons))
         apart = np.abs(others[:, place] - x[place])
-        far = others[apart > max(FAR_OFF * error, FAR_OFF_AT_LEAST)]
+        far = others[apart > max(3.0 * error, 0.05)]
         if len(far):
             values = bounds.parameter(np.concatenate([far, x[None]]))[:, place]
             reasons.append(
-                f"starts of equal cost ended between {np.min(values):.3g} and "
+                f"fits of equal cost ended between {np.min(values):.3g} and "
                 f"{np.max(values):.3g}"
             )
         verdicts.append(Verdict(parameter.name, not reasons, "; ".join(reasons)))
     return verdicts
+
+
+def _large_error(error: float, partners: Sequence[str]) -> str:
+    if error <= ENDLESS_ERROR:
+        return f"its standard error is {error:.3g} times its value or half range"
+    if partners:
+        names = " and ".join(partners)
+        return f"it acts only together with {names}, as one combination"
+    return (
+        "it has no influence on the measured results, or none that the other "
+        "parameters could not compensate"
+    )
 
 
 def _of_profile(profile: LikelihoodProfile, doubtful: bool) -> list[str]:
@@ -416,7 +382,7 @@ def combination(names, bounds: Bounds, vector) -> str:
     vector = np.asarray(vector) / vector[np.argmax(np.abs(vector))]
     factors = []
     for place, exponent in enumerate(vector):
-        if abs(exponent) < SMALL_EXPONENT:
+        if abs(exponent) < 0.1:
             continue
         name = names[place]
         if not bounds.logarithmic[place]:

@@ -37,25 +37,16 @@ from ...progress import within
 from ..estimation.sigma import LEAST_FREEDOM, freedom_of_targets
 from ..problem.noise import LOSSES
 from ..problem.objective import Objective, Points
-from .posterior import Draws, moments, normalised
+from .posterior import Draws, moments, normalised, root_of
 from .uncertainty import laplace
 
 COUNT = 512
+"""Draws a round."""
 TAILS = 5.0
 """Degrees of freedom of the proposal: heavier tails than the posterior's."""
-ROUNDS = 5
 ENOUGH = 0.3
 """Effective sample size, as a fraction of the draws of a round, at which the rounds
 end; a normal posterior gives 0.9."""
-WIDER = 1.5
-"""Factor on the covariance of the weighted draws, which are few."""
-LEAST_FIRST = 0.01
-"""Part of the first proposal's covariance in those of the others."""
-ADAPTED = 10.0
-"""Least effective sample size for each unknown of the draws to which a proposal is
-fitted."""
-TRIES = 2000
-"""Largest number of batches of draws sampled to fill the bounds."""
 LADDER = (
     PRESETS["balanced"],
     PRESETS["reference"],
@@ -86,12 +77,7 @@ def draw(
         count: number of draws a round.
         seed: seed of the random numbers.
     """
-    draws = sample(
-        *(objective, points, inflation),
-        about=(objective, points),
-        count=count,
-        seed=seed,
-    )
+    draws = sample(objective, points, inflation, count=count, seed=seed)
     return check(draws, objective, inflation)
 
 
@@ -101,7 +87,7 @@ def sample(
     points: Points,
     inflation: float,
     *,
-    about: tuple[Objective, Points],
+    about: tuple[Objective, Points] | None = None,
     enough_below: float = -np.inf,
     parts: int = 1,
     count: int = COUNT,
@@ -110,13 +96,15 @@ def sample(
     """Sample as `draw`, at the lowest accuracy and without a check.
 
     Args:
-        about: objective and points of the first proposal, whose curvature may leave out
-            measurements: derivatives beside a jump say little about the other side.
+        about: objective and points of the first proposal, if not those of the fit: its
+            curvature may leave out measurements, since derivatives beside a jump say
+            little about the other side.
         enough_below: a cost; the rounds end where a draw has a lower one.
         parts: number of parts of a round, each of which has its own proposal.
     """
     random, at_first = np.random.default_rng(seed), objective.at(LADDER[0])
-    best, root = about[1].x[0], _root(laplace(*about, inflation))
+    about = about or (objective, points)
+    best, root = points.x[0], root_of(laplace(*about, inflation))
     low, high = objective.bounds.low, objective.bounds.high
     size = len(best)
 
@@ -126,46 +114,44 @@ def sample(
         return x, np.all((x >= low) & (x <= high), axis=1)
 
     proposals = [_Proposal(np.zeros(size), np.eye(size))]
-    drawn, fractions = [], []
-    for number in range(1, ROUNDS * parts + 1):
+    rounds, fractions = [], []
+    for number in range(1, 5 * parts + 1):
         standard, x, inside = _propose(random, proposals[-1], count // parts, between)
         proposals[-1] = proposals[-1]._replace(inside=inside)
         with within(f"round {number}, "):
-            drawn.append((standard, x, *at_first.values_by_parts(x)[:2]))
-        standard, x, cost, predicted = map(np.concatenate, zip(*drawn, strict=True))
-        log_weight = -cost / inflation - _log_mixture(proposals, standard)
-        weights = normalised(log_weight)
-        effective = 1.0 / np.sum(weights**2)
+            drawn = at_first.values(x)
+        rounds.append((standard, x, drawn.cost, drawn.predicted))
+        standard, x, cost, predicted = map(np.concatenate, zip(*rounds, strict=True))
+        mixture = [proposal.log_density(standard) for proposal in proposals]
+        log_weight = -cost / inflation - np.logaddexp.reduce(mixture, axis=0)
+        effective = 1.0 / np.sum(normalised(log_weight) ** 2)
         fractions.append(effective / len(x))
         if effective >= ENOUGH * count or np.min(cost) < enough_below:
             break
-        centre, spread = moments(standard, _tempered(log_weight, ADAPTED * size))
-        proposals.append(_Proposal(centre, WIDER * spread + LEAST_FIRST * np.eye(size)))
-    accuracy, part = at_first.accuracy, np.array(fractions)
-    return Draws(x, log_weight, cost, predicted, part, accuracy, np.nan)
+        # A proposal is fitted to ten effective draws for each unknown at least, is
+        # wider than these few, and keeps a hundredth of the first one.
+        centre, spread = moments(standard, _tempered(log_weight, 10.0 * size))
+        proposals.append(_Proposal(centre, 1.5 * spread + 0.01 * np.eye(size)))
+    part = np.array(fractions)
+    return Draws(x, log_weight, cost, predicted, part, at_first.accuracy, np.nan)
 
 
 @within("draws of the posterior: ")
 def check(draws: Draws, objective: Objective, inflation: float) -> Draws:
-    """Compute some of the draws again more accurately; where that changes their costs,
-    all of them, which changes their weights.
-
-    Args:
-        draws: draws of `sample`.
-        objective, inflation: those with which they were sampled.
-    """
+    """Compute some of the draws of `sample` again more accurately; where that changes
+    their costs, all of them, which changes their weights."""
     draws = draws._replace(error=_error_of(draws, objective, inflation))
     if not draws.rough:
         return draws
     closer = objective.at(LADDER[1])
     with within("all again, more accurately, "):
-        cost, predicted, _ = closer.values_by_parts(draws.x)
-    log_weights = draws.log_weights + (draws.cost - cost) / inflation
-    part = 1.0 / (len(cost) * np.sum(normalised(log_weights) ** 2))
+        points = closer.values(draws.x)
+    log_weights = draws.log_weights + (draws.cost - points.cost) / inflation
+    part = 1.0 / (len(points.x) * np.sum(normalised(log_weights) ** 2))
     draws = draws._replace(
         log_weights=log_weights,
-        cost=cost,
-        predicted=predicted,
+        cost=points.cost,
+        predicted=points.predicted,
         effective_fraction=np.append(draws.effective_fraction[:-1], part),
         accuracy=closer.accuracy,
     )
@@ -206,12 +192,6 @@ def _tempered(log_weight: np.ndarray, least: float) -> np.ndarray:
     return normalised(low * log_weight)
 
 
-def _log_mixture(proposals: list[_Proposal], standard: np.ndarray) -> np.ndarray:
-    """Compute the logarithm of the density of equal parts of proposals."""
-    densities = [proposal.log_density(standard) for proposal in proposals]
-    return np.logaddexp.reduce(densities, axis=0)
-
-
 @within("some again, more accurately, ")
 def _error_of(draws: Draws, objective: Objective, inflation: float) -> float:
     """Compute the error of the costs, on draws chosen by their weights."""
@@ -223,21 +203,13 @@ def _error_of(draws: Draws, objective: Objective, inflation: float) -> float:
 
 
 def error_of_costs(
-    objective: Objective,
-    x: np.ndarray,
-    cost: np.ndarray,
-    inflation: float,
+    objective: Objective, x: np.ndarray, cost: np.ndarray, inflation: float
 ) -> float:
-    """Compute the largest error of the cost over s^2, against the next accuracy of the
-    ladder. An error common to all changes no weight, and is subtracted.
-
-    Args:
-        x: points at which it is checked, shape (lanes, unknowns).
-        cost: cost there by this objective, shape (lanes,).
-        inflation: s^2.
-    """
+    """Compute the largest error of costs (lanes,) at x (lanes, unknowns) over s^2, the
+    inflation, against the next accuracy of the ladder. An error common to all changes
+    no weight, and is subtracted."""
     closer = objective.at(LADDER[LADDER.index(objective.accuracy) + 1])
-    apart = cost - closer.values_by_parts(x)[0]
+    apart = cost - closer.values(x).cost
     return float(np.max(np.abs(apart - np.median(apart)))) / inflation
 
 
@@ -249,23 +221,18 @@ def _propose(
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Sample a proposal between the bounds: draws in standard deviations, the same in
     x, and the share of all that lie between the bounds."""
-    standard, x, found, batches = [], [], 0, 0
-    while found < count and batches < TRIES:
+    standard, x, kept, batches = [], [], 0, 0
+    # 2000 batches fill the bounds, or nearly no draw lies between them.
+    while kept < count and batches < 2000:
         normal = random.normal(size=(count, len(proposal.centre)))
         scale = np.sqrt(random.chisquare(TAILS, size=(count, 1)) / TAILS)
-        drawn = proposal.centre + (normal / scale) @ _root(proposal.covariance).T
+        drawn = proposal.centre + (normal / scale) @ root_of(proposal.covariance).T
         of_drawn, inside = between(drawn)
         standard.append(drawn[inside])
         x.append(of_drawn[inside])
-        found, batches = found + int(np.sum(inside)), batches + 1
+        kept, batches = kept + int(np.sum(inside)), batches + 1
     rows = np.concatenate(standard)[:count], np.concatenate(x)[:count]
-    return *rows, found / (batches * count)
-
-
-def _root(covariance: np.ndarray) -> np.ndarray:
-    """Compute a root R of a covariance R R^T."""
-    values, vectors = np.linalg.eigh(covariance)
-    return vectors * np.sqrt(np.maximum(values, 0.0))
+    return *rows, kept / (batches * count)
 
 
 def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray:
@@ -300,6 +267,5 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
 
 
 def _squares(objective: Objective, predicted) -> np.ndarray:
-    """Compute sums of squared residuals, shape (draws, targets)."""
     u = (predicted - objective.study.measured) / objective.sigma
     return np.sum(np.where(objective.study.exact & np.isfinite(u), u, 0.0) ** 2, axis=1)

@@ -25,17 +25,8 @@ from .posterior import Draws
 from .results import VariantResult
 from .uncertainty import USELESS_ERROR, Uncertainty, estimate, from_draws
 
-FEWEST_LEFT = 2
-"""Measurements away from jumps that there must be for each unknown; with fewer none is
-left out."""
 MOST_NAMED = 8
 """Largest number of tests that are named."""
-NOT_NORMAL = 0.1
-"""Effective sample size of the first draws, as a fraction of them, below which
-derivatives do not describe the posterior, jumps or not."""
-PARTS = 4
-"""Parts of a round of draws beside a jump, where the effective sample size of the first
-is small."""
 
 
 class Judged(NamedTuple):
@@ -51,12 +42,7 @@ class Judged(NamedTuple):
     """Whether covariance and standard errors are those of the draws."""
 
 
-def judge(
-    objective: Objective,
-    best: Fits,
-    *,
-    enough_below: float = -np.inf,
-) -> Judged:
+def judge(objective: Objective, best: Fits, *, enough_below: float = -np.inf) -> Judged:
     """Estimate the uncertainty of a fit of one lane: from its derivatives, or, beside a
     jump, from draws of the posterior.
 
@@ -66,21 +52,25 @@ def judge(
     shares = shares_of(objective, best)
     smooth = without_jumps(objective, shares)
     points = smooth.reevaluate(best.points)
-    found, study = estimate(smooth, points), objective.study
+    uncertainty, study = estimate(smooth, points), objective.study
     draws = sample(
-        *(objective, best.points, found.inflation),
+        objective,
+        best.points,
+        uncertainty.inflation,
         about=(smooth, points),
         enough_below=enough_below,
-        parts=PARTS if np.any(shares > NEAR) else 1,
+        # Beside a jump the effective sample size of the first draws is small.
+        parts=4 if np.any(shares > NEAR) else 1,
         seed=study.seed,
     )
-    jumps = np.any(shares > NEAR) or draws.effective_fraction[0] < NOT_NORMAL
+    # Of so few effective draws derivatives do not describe the posterior, jumps or not.
+    jumps = np.any(shares > NEAR) or draws.effective_fraction[0] < 0.1
     # Else the bounds would cut off the draws, and hide what is not determined.
-    determined = np.all(found.standard_errors < USELESS_ERROR)
+    determined = np.all(uncertainty.standard_errors < USELESS_ERROR)
     of_draws = bool(jumps and determined and draws.trusted)
     if of_draws:
-        found = from_draws(found, draws, best.points, len(study.parameters))
-    return Judged(found, shares, smooth, draws, of_draws)
+        uncertainty = from_draws(uncertainty, draws, best.points, len(study.parameters))
+    return Judged(uncertainty, shares, smooth, draws, of_draws)
 
 
 def shares_of(objective: Objective, best: Fits) -> np.ndarray:
@@ -90,9 +80,6 @@ def shares_of(objective: Objective, best: Fits) -> np.ndarray:
     Where the misfit is larger than the given sigmas allow, jumps are judged by the
     scatter of the residuals: relative to sigmas that are far too small every
     prediction would seem to jump.
-
-    Args:
-        best: the reported fit, of one lane.
     """
     if estimate(objective, best.points).inflation > 1.0:
         scale = np.sqrt(unit_without_jumps(objective, best.points))
@@ -101,20 +88,18 @@ def shares_of(objective: Objective, best: Fits) -> np.ndarray:
 
 
 def without_jumps(objective: Objective, share: np.ndarray) -> Objective:
-    """Return the objective without the measurements near a jump, if enough are left."""
+    """Return the objective without the measurements near a jump, if two are left for
+    each unknown."""
     near = share > NEAR
     left = np.sum(objective.study.known & ~near)
-    if not np.any(near) or left < FEWEST_LEFT * objective.bounds.lower.size:
+    if not np.any(near) or left < 2 * objective.bounds.lower.size:
         return objective
     return objective.without(near)
 
 
 def in_words(variant: VariantResult, each: LeftOut | None) -> list[str]:
-    """Name the tests near a jump, their influence, and what can be done.
-
-    Args:
-        each: cross-validation test by test, if there is one.
-    """
+    """Name the tests near a jump, what the fit does without them, and what can be
+    done."""
     objective, share = variant.objective, variant.jumps
     study, largest = objective.study, np.max(share, axis=1)
     near = np.flatnonzero(largest > NEAR)

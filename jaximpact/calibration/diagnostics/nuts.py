@@ -33,29 +33,18 @@ from ..._packages import version_of, versions
 from ...errors import InputError
 from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import TARGET_COLUMNS, columns_of
-from ..problem.bounds import Bounds
 from ..problem.forward_model import XLA
 from ..problem.noise import losses
-from .importance_sampling import CHECKED, draw, error_of_costs
+from .importance_sampling import draw, error_of_costs
 from .posterior import Chains, Draws, moments
 from .results import VariantResult
 
 if TYPE_CHECKING:
     import arviz  # pyright: ignore[reportMissingImports]
 
-EXTRA = "bayes"
-"""Extra that holds arviz and blackjax, which pyright may not find."""
-CHAINS, WARMUP, KEPT = 4, 200, 500
 STATISTICS = "lp", "diverging", "acceptance_rate", "n_steps"
-KEEP_MASS = 25.0
-"""Weight of the first mass matrix against draws of the warm-up."""
 MOST_DOUBLINGS = 8
-EDGE = 1e-6
-"""Least distance of draws from the bounds, as a fraction of the range."""
-SHIFT = 0.25
-"""Tolerated distance of the posterior mean from the best fit, in standard errors."""
-RATIO = 1.25
-"""Tolerated ratio of posterior standard deviation and standard error, either way."""
+"""Doublings of a trajectory: at most 255 leapfrog steps."""
 CHANCE = 3.0
 """Standard deviations of its noise within which a difference is due to chance."""
 
@@ -63,9 +52,9 @@ CHANCE = 3.0
 def sample_posterior(
     fitted: VariantResult,
     *,
-    chains: int = CHAINS,
-    warmup: int = WARMUP,
-    count: int = KEPT,
+    chains: int = 4,
+    warmup: int = 200,
+    count: int = 500,
     seed: int = 0,
     draws: Draws | None = None,
     progress: Progress | ProgressFunction | None = None,
@@ -95,12 +84,16 @@ def sample_posterior(
         objective = fitted.objective.at(draws.accuracy)
         bounds = objective.bounds
 
+        def unknowns(y):
+            return bounds.at_fraction(1.0 / (1.0 + namespace_of(y).exp(-y)))
+
         def log_density(y: jax.Array) -> jax.Array:
             # The logarithm of dx/dy, up to a constant.
             slope = jax.nn.log_sigmoid(y) + jax.nn.log_sigmoid(-y)
-            return jnp.sum(slope) - objective.cost(_unknowns(bounds, y)) / inflation
+            return jnp.sum(slope) - objective.cost(unknowns(y)) / inflation
 
-        y = logit(np.clip(bounds.fraction(draws.x), EDGE, 1.0 - EDGE))
+        # Draws at a bound would be at infinity.
+        y = logit(np.clip(bounds.fraction(draws.x), 1e-6, 1.0 - 1e-6))
         chosen = np.random.default_rng(seed).choice(len(y), chains, p=draws.weights)
         position, statistics = _run_chains(
             log_density,
@@ -110,32 +103,28 @@ def sample_posterior(
             count=count,
             seed=seed,
         )
-        unknowns = _unknowns(objective.bounds, position)
-        arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
-        scale_reduction = np.array([float(arviz.rhat(values)) for values in each])
-        effective = np.array([float(arviz.ess(values)) for values in each])
-        x = unknowns.reshape(chains * count, -1)
+        sampled, arviz = unknowns(position), _arviz()
+        scale_reduction, effective = (
+            np.array([float(of_one(x)) for x in np.moveaxis(sampled, -1, 0)])
+            for of_one in (arviz.rhat, arviz.ess)
+        )
+        x = sampled.reshape(chains * count, -1)
         with within("sampled: "):
-            cost, predicted, _ = objective.values_by_parts(x)
-        every = -(-len(x) // CHECKED)
+            points = objective.values(x)
+        every = slice(None, None, -(-len(x) // 64))
+        error = error_of_costs(objective, x[every], points.cost[every], inflation)
         return Draws(
             x=x,
             log_weights=np.zeros(len(x)),
-            cost=cost,
-            predicted=predicted,
+            cost=points.cost,
+            predicted=points.predicted,
             effective_fraction=np.minimum(1.0, [np.min(effective) / len(x)]),
             accuracy=objective.accuracy,
-            error=error_of_costs(objective, x[::every], cost[::every], inflation),
+            error=error,
             chains=Chains(
                 statistics, scale_reduction, effective, time.perf_counter() - begin
             ),
         )
-
-
-def _unknowns(bounds: Bounds, y):
-    """Convert y, of NumPy or JAX, to x."""
-    part = 1.0 / (1.0 + namespace_of(y).exp(-y))
-    return bounds.low + (bounds.high - bounds.low) * part
 
 
 @within("sampling: ")
@@ -162,7 +151,8 @@ def _run_chains(
         log_density,
         is_mass_matrix_diagonal=False,
         initial_inverse_mass_matrix=jnp.asarray(mass),
-        imm_shrinkage_to_previous=KEEP_MASS,
+        # In draws of the warm-up: the first matrix counts as much as 25 of them.
+        imm_shrinkage_to_previous=25.0,
         initial_step_size=0.5,
         max_num_doublings=MOST_DOUBLINGS,
         adaptation_info_fn=lambda *_: None,
@@ -171,8 +161,8 @@ def _run_chains(
     @jax.jit
     @jax.vmap
     def warm(key, position):
-        (state, found), _ = adaptation.run(key, position, num_steps=warmup)
-        return state, found["step_size"], found["inverse_mass_matrix"]
+        (state, tuned), _ = adaptation.run(key, position, num_steps=warmup)
+        return state, tuned["step_size"], tuned["inverse_mass_matrix"]
 
     kernel = blackjax.nuts.build_kernel()
 
@@ -184,12 +174,12 @@ def _run_chains(
         )
 
     tell(f"warm-up of {warmup} draws")
-    state, *found = warm(jax.random.split(key_warmup, chains), jnp.asarray(start))
+    state, *adapted = warm(jax.random.split(key_warmup, chains), jnp.asarray(start))
     rows = []
     for number in range(count):
         tell(f"draw {number + 1} of {count}")
         keys = jax.random.split(jax.random.fold_in(key, number), chains)
-        state, info = step(keys, state, *found)
+        state, info = step(keys, state, *adapted)
         row = (state.position, state.logdensity, info.is_divergent)
         row += (info.acceptance_rate, info.num_integration_steps)
         rows.append(jax.device_get(row))
@@ -201,7 +191,7 @@ def check_extra() -> None:
     """Raise InputError unless the extra is installed."""
     for name in ("blackjax", "arviz"):
         if importlib.util.find_spec(name) is None:
-            raise InputError(f"sampling needs {name}: pip install 'jaximpact[{EXTRA}]'")
+            raise InputError(f"sampling needs {name}: pip install 'jaximpact[bayes]'")
 
 
 def _arviz() -> Any:
@@ -262,7 +252,7 @@ def to_inference_data(
             "error_of_log_density": samples.error,
             "inference_library": "blackjax",
             "inference_library_version": version_of("blackjax"),
-            **{f"version_of_{name}": found for name, found in versions().items()},
+            **{f"version_of_{name}": version for name, version in versions().items()},
         },
     )
     known = columns_of(objective.scene)
@@ -293,9 +283,11 @@ def compare_errors(fitted: VariantResult, draws: Draws, samples: Draws) -> list[
     noise = deviation * np.sqrt(1.0 / effective + 1.0 / draws.effective)
     differ = np.abs(mean - draws.mean()[:count]) > CHANCE * noise
     shift = np.abs(mean - fitted.points.x[0][:count]) / error
-    allowed = SHIFT + CHANCE * deviation / (error * np.sqrt(effective))
+    # A shift of the mean by a quarter of a standard error, and a ratio of the widths of
+    # 1.25, change no conclusion.
+    allowed = 0.25 + CHANCE * deviation / (error * np.sqrt(effective))
     ratio = deviation / error
-    widest = RATIO * (1.0 + CHANCE / np.sqrt(2.0 * effective))
+    widest = 1.25 * (1.0 + CHANCE / np.sqrt(2.0 * effective))
     skew = (shift > allowed) | (np.maximum(ratio, 1.0 / ratio) > widest)
     known = np.array([verdict.determined for verdict in fitted.verdicts])
     lines = []

@@ -98,3 +98,15 @@ def moments(x: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     """Compute mean and covariance of weighted rows."""
     apart = x - weights @ x
     return weights @ x, (apart.T * weights) @ apart
+
+
+def variances(rows: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Compute J C J^T of predictions, shape (tests, targets), from their derivatives,
+    shape (tests, targets, unknowns), and a covariance."""
+    return np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
+
+
+def root_of(covariance: np.ndarray) -> np.ndarray:
+    """Compute a root R of a covariance R R^T."""
+    values, vectors = np.linalg.eigh(covariance)
+    return vectors * np.sqrt(np.maximum(values, 0.0))

@@ -22,14 +22,8 @@ from .uncertainty import CONFIDENCE
 
 # Not scipy.stats, which takes 0.6 s to import.
 
-CONFIDENCES = (0.5, 0.95)
-"""Probabilities of the intervals that are reported."""
 PLACES = 101
 """Values of the scatter about each draw: half a per cent lies beyond the outermost."""
-HALVINGS = 50
-LEAST_MEAN = 0.5
-"""Least mean of a positive measurement over its sigma: a model that says 0 must not
-have intervals of no width."""
 NORMAL_FROM = 200.0
 """Degrees of freedom above which Student's distribution is taken as normal."""
 
@@ -98,7 +92,8 @@ def predictive(
 def _logarithm(values: np.ndarray, sigma) -> tuple[np.ndarray, np.ndarray]:
     """Compute mean and standard deviation of the logarithm of lognormal measurements,
     from the values of the model and sigma."""
-    mean = np.maximum(values, LEAST_MEAN * sigma)
+    # A model that says 0 must not have intervals of no width.
+    mean = np.maximum(values, 0.5 * sigma)
     square = np.log1p((sigma / mean) ** 2)
     return np.log(mean) - 0.5 * square, np.sqrt(square)
 
@@ -120,18 +115,14 @@ class Bands(NamedTuple):
     failed_fraction: np.ndarray
     """Weight of the draws without a prediction."""
 
-    def inside(self, measured: np.ndarray) -> np.ndarray:
-        """Find the measurements within the band of measurements."""
-        return (measured >= self.measured_low) & (measured <= self.measured_high)
-
 
 def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
     """Compute the bands from draws. The logarithm of a measurement that is never
     negative scatters, as in `predictive`.
 
     Args:
-        objective: objective with the sigmas of the fit.
-        inflation: factor on the squares of the sigmas.
+        objective: objective with the sigmas of the fit, whose squares are multiplied by
+            the inflation.
     """
     tail = (1.0 - CONFIDENCE) / 2.0
     there = np.isfinite(draws.predicted)
@@ -163,7 +154,7 @@ def _quantile(values, weights, sigma, part: float) -> np.ndarray:
     high = np.max(np.where(there, values + reach, -np.inf), axis=0)
     empty = ~np.any(there, axis=0)
     low, high = np.where(empty, 0.0, low), np.where(empty, 0.0, high)
-    for _ in range(HALVINGS):
+    for _ in range(50):
         middle = 0.5 * (low + high)
         apart = middle - values
         smooth = ndtr(apart / np.where(sigma > 0.0, sigma, 1.0))

@@ -5,24 +5,18 @@ leverage. If the model is right residuals are normal, of variance 1 and independ
 every input.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-# Not scipy.stats, which takes 0.6 s to import.
-from scipy.special import ndtr, ndtri, stdtr
+# Not scipy.stats here, which takes 0.6 s to import.
+from scipy.special import ndtr, ndtri
 
 from ..problem.objective import Objective, Points
 from .uncertainty import leverages
 
 FEWEST = 8
 """Least number of different values of an input for a test of trend."""
-IMPROBABLE = 0.05
-"""Probability, over all tests of trend, that one is significant by chance."""
-LARGE = 3.0
-"""Residuals [standard deviations] above which a test is named."""
-NOTHING = 0.01
-"""Standard deviations below which residuals are errors of the integration."""
 LEAST_LEFT = 1e-6
 """Least 1 - h: a measurement of leverage 1 has no residual."""
 
@@ -45,8 +39,6 @@ class Residuals(NamedTuple):
 
     values: np.ndarray
     """Studentised residuals [standard deviations]."""
-    leverage: np.ndarray
-    """Leverage of each measurement."""
     trends: list[Trend]
     """Significant trends, the smallest p-value first."""
     looked_for: int
@@ -64,13 +56,16 @@ def residuals_of(objective: Objective, points: Points, inflation: float) -> Resi
     study = objective.study
     predicted = points.predicted[0]
     exact = study.exact & np.isfinite(predicted)
-    leverage = leverages(objective, points)
-    left = 1.0 - leverage
+    left = 1.0 - leverages(objective, points)
     scale = objective.sigma * np.sqrt(inflation * np.maximum(left, LEAST_LEFT))
     there = exact & (left > LEAST_LEFT)
     values = np.where(there, (study.measured - predicted) / scale, np.nan)
-    trends, count = _trends(objective, values, predicted)
-    return Residuals(values, np.where(exact, leverage, np.nan), trends, count)
+    return Residuals(values, *_trends(objective, values, predicted))
+
+
+def rms(values: np.ndarray) -> float | None:
+    """Compute a root mean square; None of nothing."""
+    return float(np.sqrt(np.mean(values**2))) if len(values) else None
 
 
 def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
@@ -80,11 +75,13 @@ def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
 
 
 def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:
-    study, found, count = objective.study, [], 0
+    from scipy.stats import rankdata, spearmanr
+
+    study, all_trends, count = objective.study, [], 0
     for place, target in enumerate(study.targets):
         there = np.isfinite(values[:, place])
-        if not np.any(np.abs(values[there, place]) > NOTHING):
-            continue
+        if not np.any(np.abs(values[there, place]) > 0.01):
+            continue  # errors of the integration
         against = varying_inputs(objective) | {"prediction": predicted[:, place]}
         for name, along in against.items():
             x, back = np.unique(along[there], return_inverse=True)
@@ -92,54 +89,39 @@ def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:
                 continue
             # Residuals at one value of the input have no order: their mean is taken.
             mean = np.bincount(back, values[there, place]) / np.bincount(back)
-            correlation, chance = _rank_correlation(mean)
-            autocorrelation, other = _autocorrelation(mean)
+            ranked: Any = spearmanr(np.arange(len(mean)), mean)
+            autocorrelation, other = _autocorrelation(rankdata(mean))
             count += 2
-            trend = correlation, autocorrelation, float(min(chance, other))
-            found.append(Trend(target, name, *trend))
-    trends = [trend for trend in found if trend.chance * count < IMPROBABLE]
+            chance = float(min(ranked.pvalue, other))
+            correlation = float(ranked.statistic)
+            all_trends.append(Trend(target, name, correlation, autocorrelation, chance))
+    # One of twenty studies shows a trend by chance.
+    trends = [trend for trend in all_trends if trend.chance * count < 0.05]
     return sorted(trends, key=lambda trend: trend.chance), count
 
 
-def _ranks(values: np.ndarray) -> np.ndarray:
-    """Rank values from 1; equal ones get the mean rank."""
-    _, back, count = np.unique(values, return_inverse=True, return_counts=True)
-    return (np.cumsum(count) - 0.5 * (count - 1))[back]
-
-
-def _rank_correlation(values: np.ndarray) -> tuple[float, float]:
-    """Compute Spearman's correlation with the order, and its p-value by Student's
-    distribution."""
-    ranks, freedom = _ranks(values), len(values) - 2
-    correlation = float(np.corrcoef(np.arange(len(ranks)), ranks)[0, 1])
-    left = max((1.0 - correlation) * (1.0 + correlation), 0.0)
-    deviation = abs(correlation) * np.sqrt(freedom / left) if left else np.inf
-    return correlation, float(2.0 * stdtr(freedom, -deviation))
-
-
-def _autocorrelation(values: np.ndarray) -> tuple[float, float]:
+def _autocorrelation(ranks: np.ndarray) -> tuple[float, float]:
     """Compute the lag-1 autocorrelation of ranks and its p-value (Bartels 1982)."""
-    ranks, count = _ranks(values), len(values)
     ratio = np.sum(np.diff(ranks) ** 2) / np.sum((ranks - np.mean(ranks)) ** 2)
     # Bartels's approximation of the ratio's distribution: normal, mean 2.
-    variance = 20.0 / (5.0 * count + 7.0)
+    variance = 20.0 / (5.0 * len(ranks) + 7.0)
     return float(1.0 - 0.5 * ratio), float(ndtr((ratio - 2.0) / np.sqrt(variance)))
 
 
 def in_words(residuals: Residuals, objective: Objective) -> list[str]:
     """Describe trends and large residuals."""
-    study, lines = objective.study, []
-    for trend in residuals.trends:
-        lines.append(
-            f"The residuals of {trend.target} depend on {trend.against}: rank "
-            f"correlation {trend.correlation:+.2f}, lag-1 autocorrelation "
-            f"{trend.autocorrelation:+.2f}, p-value {trend.chance:.1g}."
-        )
+    study = objective.study
+    lines = [
+        f"The residuals of {trend.target} depend on {trend.against}: rank "
+        f"correlation {trend.correlation:+.2f}, lag-1 autocorrelation "
+        f"{trend.autocorrelation:+.2f}, p-value {trend.chance:.1g}."
+        for trend in residuals.trends
+    ]
     if not residuals.trends and residuals.looked_for:
         lines.append(
             "No significant trend with the prediction or with any input that varies."
         )
-    large = np.abs(np.nan_to_num(residuals.values)) > LARGE
+    large = np.abs(np.nan_to_num(residuals.values)) > 3.0
     for test, place in zip(*np.nonzero(large), strict=True):
         value = residuals.values[test, place]
         lines.append(

@@ -39,18 +39,20 @@ class VariantResult(NamedTuple):
     """Parameter combinations in words, the best known first."""
     profiles: dict[str, LikelihoodProfile]
     """Likelihood profile of each of the soil's parameters."""
-    start_parameters: np.ndarray
-    """Starting points, the given one first, shape (starts, unknowns)."""
     end_parameters: np.ndarray
-    """End of the fit from each start, the same shape."""
-    start_costs: np.ndarray
-    """Objective function at these ends, shape (starts,)."""
-    start_reasons: list[Reason]
+    """Ends of the fits from the best places of the search, shape (ends, unknowns)."""
+    end_costs: np.ndarray
+    """Objective function at these ends, shape (ends,)."""
+    end_reasons: list[Reason]
     """Reason for which each fit stopped."""
-    start_steps: np.ndarray
-    """Number of steps of each fit, shape (starts,)."""
-    start_restarts: np.ndarray
-    """Number of restarts of each fit from a new point, shape (starts,)."""
+    end_steps: np.ndarray
+    """Number of points at which each computed the cost, shape (ends,)."""
+    members: int
+    """Size of the population that searched; 0 without a search."""
+    agreed: int
+    """Number of its members that came to one place, or one cost."""
+    found_later: bool
+    """Whether draws or profiles found the best fit, below where the search had led."""
     reason: Reason
     """Reason for which the reported fit stopped."""
     objective: Objective
@@ -65,11 +67,6 @@ class VariantResult(NamedTuple):
     errors_of_draws: bool
     """Whether covariance and standard errors are those of the draws, since predictions
     jump; else they follow from derivatives."""
-
-    @property
-    def reached(self) -> np.ndarray:
-        """Mask of the starts that found the best fit, shape (starts,)."""
-        return np.array([reason.at_minimum for reason in self.start_reasons])
 
     def standard_error(self, index: int) -> float:
         """Compute a standard error in the unit of the unknown."""

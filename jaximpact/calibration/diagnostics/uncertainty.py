@@ -37,11 +37,7 @@ from .posterior import Draws
 
 USELESS_ERROR = 1.0
 """Standard error in x above which a parameter is not identifiable."""
-NO_INFORMATION = 1e30
-"""Variance along a direction without information."""
 CONFIDENCE = 0.95
-MANY = 20.0
-"""Degrees of freedom from which the scatter is estimated test by test."""
 LEAST_LEFT = 0.1
 """Least 1 - leverage: a measurement that alone rules the fit has no residual."""
 IMPROBABLE = 0.01
@@ -84,21 +80,29 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     soil = len(study.parameters)
     curvature, variance, squares, freedom = _parts(objective, points)
     reduced = squares / freedom if freedom > 0.5 else float("nan")
-    given = np.all(study.sigma_given)
-    poor = given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE
+    all_given = np.all(study.sigma_given)
+    poor = all_given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE
     inflation = reduced if poor else 1.0
     covariance = _sandwich(curvature, variance) * inflation
-    scattered = not given or inflation > 1.0
+    scattered = not all_given or inflation > 1.0
     half = 0.5 + CONFIDENCE / 2.0
     quantile = stdtrit(max(freedom, 1.0), half) if scattered else ndtri(half)
-    errors = np.sqrt(np.diag(covariance))
     fisher = _fisher(curvature, variance, soil) / inflation
-    values, vectors = np.linalg.eigh(fisher)
     return Uncertainty(
         inflation=inflation,
         reduced_chi_square=reduced,
         degrees_of_freedom=freedom,
         quantile=float(quantile),
+        **_of_covariance(covariance, fisher),
+    )
+
+
+def _of_covariance(covariance: np.ndarray, fisher: np.ndarray) -> dict:
+    """Compute the fields of `Uncertainty` that follow from a covariance, and from the
+    Fisher matrix of the soil's parameters."""
+    errors = np.sqrt(np.diag(covariance))
+    values, vectors = np.linalg.eigh(fisher)
+    return dict(
         covariance=covariance,
         standard_errors=errors,
         correlation=covariance / np.outer(errors, errors),
@@ -118,21 +122,13 @@ def from_draws(
     fit lies at an edge of the posterior.
 
     Args:
-        draws: draws of the posterior, with their weights w.
         points: the fit, of one lane.
         soil: number of the soil's parameters, the first of the unknowns.
     """
     apart = draws.x - points.x[0]
     covariance = (apart.T * draws.weights) @ apart
-    errors = np.sqrt(np.diag(covariance))
-    values, vectors = np.linalg.eigh(inverse_positive(covariance[:soil, :soil]))
-    return uncertainty._replace(
-        covariance=covariance,
-        standard_errors=errors,
-        correlation=covariance / np.outer(errors, errors),
-        eigenvalues=np.maximum(values, 0.0),
-        eigenvectors=vectors,
-    )
+    fisher = inverse_positive(covariance[:soil, :soil])
+    return uncertainty._replace(**_of_covariance(covariance, fisher))
 
 
 def regular_covariance(
@@ -142,10 +138,6 @@ def regular_covariance(
 
     An unknown without a prior gets the information of a uniform distribution over its
     range, 12 / range^2.
-
-    Args:
-        points: a fit, of one lane.
-        inflation: factor on the covariance of the data.
     """
     curvature, variance, _, _ = _parts(objective, points)
     extra = np.diag(bounds_information(objective))
@@ -174,17 +166,16 @@ def _parts(objective: Objective, points: Points):
     rows, used, u = standardised_rows(objective, points)
     exact = used & (study.censored.ravel() == 0)
     prior = objective.prior_information(points.x[0])
-    taken = leverages(objective, points).ravel()
-    freedom = float(np.sum(exact) - np.sum(taken[exact]))
-    h, v = _of_loss(objective, u, exact, taken, freedom)
+    leverage = leverages(objective, points).ravel()
+    freedom = float(np.sum(exact) - np.sum(leverage[exact]))
+    h, v = _of_loss(objective, u, exact, leverage, freedom)
     weights = np.where(used, weights_of_cells(study), 0.0)
     curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
     variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
     return curvature, variance, float(np.sum(u[exact] ** 2)), freedom
 
 
-def _of_loss(objective, u, exact, taken, freedom):
-    """Compute h and v of every measurement."""
+def _of_loss(objective, u, exact, leverage, freedom):
     study = objective.study
     of = losses(u, study.censored.ravel(), study.loss)
     mean_curvature = mean_square = 1.0
@@ -195,15 +186,16 @@ def _of_loss(objective, u, exact, taken, freedom):
         # With all residuals large the mean may vanish: at least a tenth of the secant.
         mean_curvature = max(mean_curvature, 0.1 * np.sum(of.curvature[exact]) / count)
     square = np.where(exact, mean_square, of.curvature)
-    if freedom >= MANY:
-        own = of.slope**2 / np.maximum(1.0 - taken, LEAST_LEFT)
+    # Of many measurements the scatter is estimated test by test.
+    if freedom >= 20.0:
+        of_each = of.slope**2 / np.maximum(1.0 - leverage, LEAST_LEFT)
         for target in np.flatnonzero(~study.sigma_given):
             cells = np.zeros(study.known.shape, bool)
             cells[:, target] = True
             cells = cells.ravel() & exact
             # The mean square is smaller only where sigma is at its lower limit.
-            mean = max(np.mean(own[cells]), 1e-300) if np.any(cells) else 1.0
-            square[cells] = own[cells] * max(1.0, mean_square / mean)
+            mean = max(np.mean(of_each[cells]), 1e-300) if np.any(cells) else 1.0
+            square[cells] = of_each[cells] * max(1.0, mean_square / mean)
     return np.where(exact, mean_curvature, of.curvature), square
 
 
@@ -216,7 +208,7 @@ def _sandwich(curvature: np.ndarray, variance: np.ndarray) -> np.ndarray:
     inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))
     half = clean * inverse
     covariance = half @ (clean.T @ variance @ clean) @ half.T
-    return covariance + (clean * np.where(empty, NO_INFORMATION, 0.0)) @ clean.T
+    return covariance + (clean * np.where(empty, 1e30, 0.0)) @ clean.T
 
 
 def _fisher(curvature: np.ndarray, variance: np.ndarray, soil: int) -> np.ndarray:

@@ -14,9 +14,8 @@ The lowest cost may lie at such a jump. Fits by derivatives stop somewhere along
 
 import numpy as np
 
-from ...progress import tell, within
 from ..problem.objective import Objective, Points
-from .least_squares import ROUGH, Fits, Reason, levenberg_marquardt
+from .least_squares import Tolerance
 
 JUMP = 3.0
 """Sigmas by which a prediction differs from the linear one beyond a jump."""
@@ -36,8 +35,8 @@ SHARES_AGAIN = 3
 """Number of searches for tests near a jump."""
 LEAPS = 6
 """Number of restarts of a fit from a point of lower cost beyond a jump."""
-BEYOND = ROUGH._replace(promise=1e-3, part=1e-3, steps=12, joins=False)
-"""Stopping rule of these fits."""
+BEYOND = Tolerance(promise=1e-3, step=1e-4, evaluations=12)
+"""Where these fits may end."""
 MEDIAN = 0.455
 """Median of the square of a standard normal number."""
 PROMISE = 5e-3
@@ -172,125 +171,3 @@ def _apart(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     one is."""
     change = np.where(np.isnan(one) & np.isnan(other), 0.0, np.abs(one - other))
     return np.where(np.isnan(change), np.inf, change)
-
-
-def descend_on_branches(objective: Objective, fits: Fits) -> Fits:
-    """Descend from where a jump has stopped a fit: beyond it, or along it.
-
-    Where one of many points about the fit, near and far, has a lower cost, a fit starts
-    there. Else, unless the fit is at a minimum, steps about the minimum of the
-    linearised cost are tried for the tests near a jump alone, many side by side; the
-    best one on which none jumps is taken.
-
-    Args:
-        fits: one lane.
-
-    Equal arguments give equal numbers on one machine.
-    """
-    random = np.random.default_rng(objective.study.seed)
-    for number in range(1, LEAPS + 1):
-        fit, steps = fits.points, fits.steps
-        if np.any(objective.failed(fit.predicted)):
-            break
-        steps_about = _sampled_steps(objective, fit, DRAWS, random)
-        draws, begin = _screened(objective, fit.x + steps_about)
-        near = np.any(jumped(objective, fit, draws), axis=0)
-        least = PROMISE * unit_without_jumps(objective, fit)
-        if begin.cost[0] >= fit.cost[0] - least:
-            if fits.reasons[0].at_minimum or not np.any(near):
-                break
-            along = _descend_along(objective, fits, near)
-            if along.points.cost[0] >= fit.cost[0] - least:
-                return along
-            fits = along
-            begin, steps = along.points, along.steps
-        with within(f"beyond a jump, {number}, "):
-            again = levenberg_marquardt(objective, begin.x, None, BEYOND)
-        if again.points.cost[0] < fits.points.cost[0]:
-            fits = again._replace(steps=again.steps + steps)
-        elif fits.reasons[0].at_minimum:
-            break
-    return fits
-
-
-def _descend_along(objective: Objective, fits: Fits, near: np.ndarray) -> Fits:
-    """Descend along a jump, which a mask of tests are near."""
-    fit, taken = fits.points, 0
-    random = np.random.default_rng(objective.study.seed)
-    for number in range(1, ROUNDS + 1):
-        tell(f"along a jump, step {number}: cost {fit.cost[0]:.6g}")
-        steps = _steps(objective, fit, random)
-        if not len(steps):
-            break
-        part = objective.of_tests(np.flatnonzero(near))
-        fit_of_part = fit._replace(
-            predicted=fit.predicted[:, near], jacobian=fit.jacobian[:, near]
-        )
-        beyond = jumped(part, fit_of_part, part.values(fit.x + steps))
-        allowed = steps[~np.any(beyond, axis=1)]
-        if not len(allowed):
-            break
-        tried = objective(fit.x + allowed[:1])
-        if tried.cost[0] < fit.cost[0]:
-            fit, taken = tried, taken + 1
-            continue
-        more = jumped(objective, fit, tried)[0] & ~near
-        if not np.any(more):
-            break
-        near = near | more
-    return Fits(fit, [Reason.edge], fits.steps + taken)
-
-
-def _steps(objective: Objective, fit: Points, random) -> np.ndarray:
-    """Sample steps that are predicted to lower the cost, that of the largest fall
-    first, shape (steps, unknowns)."""
-    steps = _sampled_steps(objective, fit, STEPS, random)
-    square = np.einsum("lp,pq,lq->l", steps, fit.hessian[0], steps)
-    fall = -(steps @ fit.gradient[0] + 0.5 * square)
-    order = np.argsort(-fall, kind="stable")
-    good = fall[order] > PROMISE * unit_without_jumps(objective, fit)
-    return steps[order][good]
-
-
-def best_about(objective: Objective, fit: Points) -> Points:
-    """Find the point of lowest cost among a fit (one lane, of an objective of another
-    accuracy) and many points about it."""
-    random = np.random.default_rng(objective.study.seed)
-    steps = _sampled_steps(objective, fit, STEPS, random)
-    x = np.concatenate([fit.x, fit.x + steps])
-    return objective(_screened(objective, x)[1].x)
-
-
-def _screened(objective: Objective, x: np.ndarray) -> tuple[Points, Points]:
-    """Compute points at the accuracy that the sigmas need, and the best of them at that
-    of the objective: in order of cost, until none that is left is lower."""
-    coarse = objective.no_finer_than_sigmas()
-    points = coarse.values(x)
-    order = np.argsort(points.cost, kind="stable")
-    if coarse is objective:
-        return points, points.take(order[:1])
-
-    def lowest(first: int) -> Points:
-        fine = objective.values(x[order[first : first + AT_A_TIME]])
-        return fine.take([np.argmin(fine.cost)])
-
-    best = lowest(0)
-    for first in range(AT_A_TIME, len(x), AT_A_TIME):
-        if best.cost[0] <= points.cost[order[first]]:
-            break
-        best = min(best, lowest(first), key=lambda one: float(one.cost[0]))
-    return points, best
-
-
-def _sampled_steps(objective: Objective, fit: Points, count: int, random) -> np.ndarray:
-    """Sample steps within the bounds about the way to the linear minimum, some close to
-    it and some far, shape (count, unknowns)."""
-    bounds = objective.bounds
-    root, unit = error_root(objective, fit), unit_without_jumps(objective, fit)
-    way = -root @ (root.T @ fit.gradient[0]) / unit
-    # Beside a jump the way may lead across it at once: half of the steps keep off it.
-    part = random.random((count, 1)) * (random.random((count, 1)) < 0.5)
-    size = np.exp(random.uniform(np.log(LEAST), np.log(MOST), (count, 1)))
-    aside = random.standard_normal((count, len(way))) @ root.T
-    x = np.clip(fit.x[0] + part * way + size * aside, bounds.low, bounds.high)
-    return x - fit.x[0]

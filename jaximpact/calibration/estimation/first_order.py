@@ -7,7 +7,7 @@ import optax
 
 from ...progress import tell
 from ..problem.objective import Objective, Points
-from .least_squares import Fits, Reason, step_line
+from .least_squares import Fits, Reason
 
 STEPS = 300
 ADAM_RATE, ADAM_DECAY, ADAM_DECAY_STEPS = 0.1, 0.5, 60
@@ -34,7 +34,7 @@ def adam(objective: Objective, x: np.ndarray) -> Fits:
     steps = np.zeros(len(x), int)
     for number in range(1, STEPS + 1):
         _stop(objective, now, reasons)
-        tell(step_line(number, best.cost, reasons))
+        tell(_step_line(number, best.cost, reasons))
         going = np.array([reason is None for reason in reasons])
         if not np.any(going):
             break
@@ -57,7 +57,7 @@ def l_bfgs(objective: Objective, x: np.ndarray) -> Fits:
     steps = np.zeros(len(x), int)
     for number in range(1, STEPS + 1):
         _stop(objective, now, reasons)
-        tell(step_line(number, now.cost, reasons))
+        tell(_step_line(number, now.cost, reasons))
         going = np.array([reason is None for reason in reasons])
         if not np.any(going):
             break
@@ -98,3 +98,11 @@ def _stop(objective: Objective, points: Points, reasons: list) -> None:
         if reasons[lane] is None:
             failed = np.any(objective.failed(points.predicted[lane]))
             reasons[lane] = Reason.failed if failed else Reason.converged
+
+
+def _step_line(number: int, cost: np.ndarray, reasons: list[Reason | None]) -> str:
+    """Say how far fits are, those without a reason to stop still going."""
+    return (
+        f"step {number}: {reasons.count(None)} of {len(cost)} fits go on, lowest cost "
+        f"{np.min(cost):.6g}"
+    )

@@ -1,46 +1,30 @@
-"""The Levenberg-Marquardt method between bounds, for many fits side by side."""
+"""Fits by SciPy's trust-region method between bounds, one after the other."""
 
 import enum
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 
 from ...progress import tell
 from ..problem.objective import Objective, Points
-from .linear_algebra import solve_positive
 
-DAMPING = 1e-3
-"""Damping of the first step, over the largest diagonal entry of the Hessian."""
-LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e12
-LEAST_FALL = 1e-4
-"""Fraction of the predicted fall of the cost that an accepted step must bring."""
-LONGEST = 2.0
-"""Largest change of an unknown in a step, in x: a factor of seven, or the whole
-range."""
-ONE_MINIMUM = 0.3
-"""Distance in standard errors within which fits are at one minimum."""
-ONE_PATH = 0.1
-"""Distance in x that is needed too, between fits that have not ended."""
-ROUNDS = 10
-"""Rounds of the active-set method for each unknown: a few are needed."""
+INSIDE = 1e-9
+"""Distance from the bounds, as a fraction of the range, at which a fit starts: the
+method needs interior points."""
 ROUNDING = 1e-12
-"""Fraction of the gradient below which an unknown is not released from its bound."""
-REGULAR = 1e-12
-"""Least damping, over the Hessian's largest diagonal entry: it keeps it regular."""
+"""Eigenvalue of a Hessian, over its largest, below which a direction changes no cost
+that double precision could tell."""
 
 
 class Reason(enum.Enum):
     """Reason for which a fit stopped: its words, and whether it is at a minimum."""
 
-    converged = "converged: gradient norm below tolerance", True
-    noise = "converged: steps below the integration error of the impacts", True
+    converged = "converged: no step promises a lower cost", True
     flat = "converged: the cost no longer falls", True
-    joined = "converged: at the minimum of another start", True
-    searched = "converged: found with other starts by differential evolution", True
-    edge = "converged: at a jump of a prediction, on the branches of its impacts", True
-    jump = "stuck at a discontinuity: the outcome of an impact changes", False
-    stuck = "stuck: no step lowers the cost", False
+    edge = "converged: at a jump of a prediction, no lower cost about it", True
+    stuck = "stuck at a discontinuity: the outcome of an impact changes", False
     above = "in a local minimum above the best fit", False
     step_limit = "limit of steps reached", False
     failed = "failed: an impact could not be computed", False
@@ -59,45 +43,32 @@ class Reason(enum.Enum):
         return self.value[1]
 
 
-class StoppingRule(NamedTuple):
-    """Stopping rule of a fit.
+class Tolerance(NamedTuple):
+    """Where a fit may end.
 
-    The distance to the minimum is measured by the fall of the cost that a full
-    Gauss-Newton step predicts: half the square of the distance in standard errors if
-    the sigmas are known; otherwise that, times s^2 = 2 cost / (degrees of freedom).
+    The distance to the minimum is measured by the fall of the cost that a Gauss-Newton
+    step promises: half the square of the distance in standard errors, times s^2 where
+    the sigmas are not known.
     """
 
     promise: float
-    """Predicted fall of the cost below which a fit has converged."""
-    part: float
-    """Predicted fall, as a fraction of s^2, below which a fit has converged."""
-    lost: float
-    """Predicted fall, over max(1, s^2), below which a fit has converged once
-    `FEW_REJECTED` steps in a row were rejected."""
-    blurred: float
-    """Predicted fall, over max(1, s^2), below which a fit has converged once `rejected`
-    steps in a row were rejected."""
-    rejected: int
-    """Number of rejected steps in a row, each shorter, after which a fit ends."""
-    flat: float
-    """Relative fall of the cost over `FLAT_STEPS` accepted steps below which a fit
-    ends."""
-    steps: int
-    """Largest number of steps."""
-    joins: bool
-    """Whether fits that meet another one continue as that one."""
+    """Promised fall, over max(1, s^2), at which a fit is at a minimum."""
+    step: float
+    """Change of the unknowns, over their size, below which no more steps are tried."""
+    evaluations: int
+    """Largest number of points at which the cost is computed."""
 
 
-FLAT_STEPS, FEW_REJECTED = 5, 2
-ROUGH = StoppingRule(
-    1e-4, 1e-2, 1e-2, 1e-2, rejected=6, flat=1e-2, steps=30, joins=True
-)
-"""Stopping rule for ranking starts and for profiles: about a tenth of a standard
-error."""
-FINE = StoppingRule(
-    1e-10, 1e-6, 1e-8, 1e-4, rejected=10, flat=1e-6, steps=60, joins=False
-)
-"""Stopping rule of the reported fit: a thousandth of a standard error."""
+ROUGH = Tolerance(1e-2, 1e-3, 30)
+"""For ranking and for profiles: about a tenth of a standard error."""
+FINE = Tolerance(1e-4, 1e-7, 80)
+"""Of the reported fit: a hundredth of a standard error. It is mostly far closer; where
+it is not, the errors of integration hide the rest."""
+FLAT = 1e-2
+"""Promised fall, over max(1, s^2), at which a fit whose cost no longer falls is at a
+minimum: beside a jump more is promised."""
+ENOUGH = 1e-2
+"""Part of the promise of a tolerance at which a fit ends at once."""
 
 
 class Fits(NamedTuple):
@@ -106,252 +77,182 @@ class Fits(NamedTuple):
     points: Points
     reasons: list[Reason]
     steps: np.ndarray
-    restarts: np.ndarray | int = 0
-    """Number of restarts of each from a new point."""
+    """Number of points at which the cost of each was computed."""
 
     @property
     def best(self) -> int:
-        """Lane of the least cost; of equals the first that converged by itself."""
-        followed = Reason.joined, Reason.searched
-        joined = [reason in followed for reason in self.reasons]
-        return int(np.lexsort((np.array(joined), self.points.cost))[0])
+        """Lane of the least cost."""
+        return int(np.argmin(self.points.cost))
 
-    def ending(self, lanes, points: Points, reasons: Iterable[Reason]) -> "Fits":
-        """Replace points and reasons of some lanes."""
-        replaced = list(self.reasons)
-        for lane, reason in zip(lanes, reasons, strict=True):
-            replaced[lane] = reason
-        points = self.points.put(lanes, points)
-        return self._replace(points=points, reasons=replaced)
+    def take(self, lanes: list[int]) -> "Fits":
+        """Select some of the fits."""
+        reasons = [self.reasons[lane] for lane in lanes]
+        return Fits(self.points.take(lanes), reasons, self.steps[lanes])
 
 
-def levenberg_marquardt(
+def join(fits: Iterable[Fits]) -> Fits:
+    """Put the lanes of several fits side by side."""
+    points, reasons, steps = zip(*fits, strict=True)
+    parts = (np.concatenate(part) for part in zip(*points, strict=True))
+    return Fits(Points(*parts), [*chain(*reasons)], np.concatenate(steps))
+
+
+def least_squares(
     objective: Objective,
     x: np.ndarray,
-    free: np.ndarray | None,
-    rule: StoppingRule,
+    free: np.ndarray | None = None,
+    tolerance: Tolerance = FINE,
 ) -> Fits:
-    r"""Fit from every x, shape (lanes, unknowns), until the stopping rule ends each.
+    """Fit from every x, shape (lanes, unknowns).
 
-    A step solves, in the unknowns that are free and not fixed at a bound,
+    Args:
+        free: mask of the unknowns that are fitted, the same shape; None for all.
+        tolerance: where fits may end.
 
-    $$ (H + \lambda d) \, \delta = -g, $$
-
-    d the largest diagonal entry of H, or minimises the same quadratic model between the
-    bounds. The damping follows from the ratio of actual to predicted fall of the cost
-    (Nielsen 1999).
+    Equal arguments give equal numbers on one machine.
     """
-    low, high = objective.bounds.low, objective.bounds.high
-    x = np.clip(x, low, high)
-    all_free = free is None
+    x = np.clip(x, objective.bounds.low, objective.bounds.high)
     free = np.ones(x.shape, bool) if free is None else free
-    points = objective(x)
-    state = _State(len(x))
-    for number in range(rule.steps + 1):
-        going = np.flatnonzero(state.going)
-        here = points.take(going)
-        room = here, free[going], low - here.x, high - here.x
-        _, promise = bounded_step(*room, np.zeros(len(going)))
-        variance = objective.variance(here.cost)
-        failed = np.any(objective.failed(here.predicted), axis=(1, 2))
-        for at, lane in enumerate(going):
-            found = here.cost[at], variance[at], promise[at], failed[at]
-            state.reasons[lane] = _reason(state, lane, *found, rule)
-        if rule.joins and all_free:
-            _join(objective, points, state)
-        tell(step_line(number, points.cost, state.reasons))
-        if number == rule.steps or not np.any(state.going):
-            break
-        on = state.going[going]
-        going, here = going[on], here.take(on)
-        room = here, free[going], low - here.x, high - here.x
-        step, promise = bounded_step(*room, state.damping[going])
-        tried = objective.values(np.clip(here.x + step, low, high))
-        fall = here.cost - tried.cost
-        taken = fall > LEAST_FALL * promise
-        if np.any(taken):
-            points = points.put(going[taken], objective(tried.x[taken]))
-        state.update(going, taken, fall, promise, here, tried)
-    reasons = [reason or Reason.step_limit for reason in state.reasons]
-    return _with_leaders(Fits(points, reasons, state.steps), state.leader)
+    ends = []
+    for lane, (start, moving) in enumerate(zip(x, free, strict=True)):
+        ends.append(_fit_one(objective, start, moving, tolerance))
+        lowest = min(float(end.points.cost[0]) for end in ends)
+        tell(f"fit {lane + 1} of {len(x)}, lowest cost {lowest:.6g}")
+    return join(ends)
 
 
-class _State:
-    """Progress of each fit."""
+def _fit_one(
+    objective: Objective, start: np.ndarray, free: np.ndarray, tolerance: Tolerance
+) -> Fits:
+    # SciPy's optimisers take their time to import.
+    from scipy.optimize import least_squares as trust_region
 
-    def __init__(self, lanes: int):
-        self.reasons: list[Reason | None] = [None] * lanes
-        self.steps = np.zeros(lanes, int)
-        self.damping = np.full(lanes, DAMPING)
-        self.factor = np.full(lanes, 2.0)
-        self.rejected = np.zeros(lanes, int)
-        self.since_jump = np.full(lanes, 10**6)
-        """Steps since the last rejected one in which an outcome changed."""
-        self.falls: list[list[float]] = [[] for _ in range(lanes)]
-        """Falls of the cost in the accepted steps."""
-        self.leader = np.arange(lanes)
-        """Fit that each has joined, or itself."""
+    points = objective(start[None])
+    steps, is_flat = 1, False
+    promise = _promise(objective, points, free)
+    if np.any(free) and promise > ENOUGH * tolerance.promise:
+        bounds = objective.bounds
+        low, high = bounds.low[free], bounds.high[free]
+        at = _Evaluations(objective, points, free)
+        room = INSIDE * (high - low)
+        # Beside a jump derivatives may be so steep that the method overflows.
+        with np.errstate(all="ignore"):
+            found = trust_region(
+                at.residuals,
+                np.clip(start[free], low + room, high - room),
+                jac=at.jacobian,  # pyright: ignore[reportArgumentType]
+                bounds=(low, high),
+                ftol=_least_fall(objective, tolerance),
+                xtol=tolerance.step,
+                gtol=None,  # pyright: ignore[reportArgumentType]
+                max_nfev=tolerance.evaluations,
+            )
+        # The method stays off the bounds that it approaches.
+        x = np.where(found.active_mask < 0, low, found.x)
+        x = np.where(found.active_mask > 0, high, x)
+        inner, end = at(found.x), at(x)
+        least = ENOUGH * tolerance.promise * float(objective.unit(inner.cost[0]))
+        end = end if end.cost[0] <= inner.cost[0] + least else inner
+        # A start at a bound is lower than what is inside where nothing moves it.
+        points = end if end.cost[0] < points.cost[0] else points
+        steps += found.nfev
+        is_flat = found.status in (2, 4)
+        promise = _promise(objective, points, free)
+    reason = Reason.stuck
+    if promise <= tolerance.promise:
+        reason = Reason.converged
+    elif np.any(objective.failed(points.predicted)):
+        reason = Reason.failed
+    elif is_flat and promise <= FLAT:
+        reason = Reason.flat
+    elif steps > tolerance.evaluations:
+        reason = Reason.step_limit
+    return Fits(points, [reason], np.array([steps]))
 
-    @property
-    def going(self) -> np.ndarray:
-        return np.array([reason is None for reason in self.reasons])
 
-    def update(self, lanes, taken, fall, promise, here: Points, tried: Points):
-        """Update damping and counters after a step of these lanes."""
-        self.steps[lanes] += 1
-        ratio = fall / np.where(promise > 0.0, promise, 1.0)
-        good = np.maximum(1.0 / 3.0, 1.0 - (2.0 * ratio - 1.0) ** 3)
-        factor = np.where(taken, good, self.factor[lanes])
-        damping = np.clip(self.damping[lanes] * factor, LEAST_DAMPING, MOST_DAMPING)
-        self.damping[lanes] = damping
-        self.factor[lanes] = np.where(taken, 2.0, 2.0 * self.factor[lanes])
-        self.rejected[lanes] = np.where(taken, 0, self.rejected[lanes] + 1)
-        changed = np.any(here.outcomes != tried.outcomes, axis=1)
-        jumped = ~taken & changed
-        self.since_jump[lanes] = np.where(jumped, 0, self.since_jump[lanes] + 1)
-        for lane, was_taken, by in zip(lanes, taken, fall, strict=True):
-            if was_taken:
-                self.falls[lane].append(by)
+def _least_fall(objective: Objective, tolerance: Tolerance) -> float:
+    """Compute the relative fall of the cost that ends a fit: the part of s^2 that is
+    enough, over the cost that has this s^2."""
+    return max(ENOUGH * tolerance.promise * float(objective.variance(1.0)), 1e-12)
+
+
+def _promise(objective: Objective, points: Points, free: np.ndarray) -> float:
+    """Compute the fall of the cost that a bounded Gauss-Newton step promises, over
+    max(1, s^2)."""
+    _, fall = bounded_step(objective, points, free)
+    return fall / float(objective.unit(points.cost[0]))
+
+
+class _Evaluations:
+    """Residuals and Jacobian of one fit in its free unknowns, each point computed once.
+
+    Args:
+        points: start, of one lane, with derivatives.
+        free: mask of the free unknowns, shape (unknowns,).
+    """
+
+    def __init__(self, objective: Objective, points: Points, free: np.ndarray):
+        self.objective, self.start, self.free = objective, points.x[0], free
+        self.last = points
+        self.derived = True
+
+    def _at(self, x: np.ndarray, derived: bool) -> Points:
+        full = self.start.copy()
+        full[self.free] = x
+        known = np.array_equal(self.last.x[0], full)
+        if not known or (derived and not self.derived):
+            evaluate: Callable = self.objective if derived else self.objective.values
+            self.last, self.derived = evaluate(full[None]), derived
+        return self.last
+
+    def __call__(self, x: np.ndarray) -> Points:
+        """Compute a point with its derivatives."""
+        return self._at(x, True)
+
+    def residuals(self, x: np.ndarray) -> np.ndarray:
+        """Compute residuals of which half the sum of squares is the cost."""
+        return self.objective.residuals(self._at(x, False))[0]
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        """Compute the derivatives of the residuals."""
+        return self.objective.residuals(self._at(x, True))[1][:, self.free]
 
 
 def bounded_step(
-    points: Points, free: np.ndarray, down: np.ndarray, up: np.ndarray, damping
-) -> tuple[np.ndarray, np.ndarray]:
-    """Compute a damped Gauss-Newton step within the bounds, and its predicted fall.
+    objective: Objective, points: Points, free: np.ndarray | None = None
+) -> tuple[np.ndarray, float]:
+    """Compute the Gauss-Newton step between the bounds from points of one lane, shape
+    (unknowns,), and the fall of the cost that it promises.
 
     Args:
-        free: which unknowns may change, shape (lanes, unknowns).
-        down, up: distances to the bounds, <= 0 and >= 0.
-        damping: damping over the Hessian's largest diagonal entry, shape (lanes,).
+        free: mask of the unknowns that may change; None for all.
     """
-    gradient, hessian = points.gradient, points.hessian
-    size = gradient.shape[1]
-    diagonal = np.einsum("lpp->lp", hessian)
-    largest = np.max(np.where(free, diagonal, 0.0), axis=1)
-    scale = np.where(largest > 0.0, largest, 1.0)
-    shift = scale * (np.asarray(damping) + REGULAR)
-    damped = hessian + shift[:, None, None] * np.eye(size)
-    least = np.maximum(down, -LONGEST)
-    most = np.minimum(up, LONGEST)
-    at_bound = ((down >= 0.0) & (gradient > 0.0)) | ((up <= 0.0) & (gradient < 0.0))
-    moving = free & ~at_bound
-    system = np.where(moving[:, :, None] & moving[:, None, :], damped, 0.0)
-    system = system + np.where(moving, 0.0, scale[:, None])[..., None] * np.eye(size)
-    right = np.where(moving, -gradient, 0.0)
-    step = solve_positive(system, right)
-    beyond = np.any((step < least) | (step > most), axis=1)
-    # An unknown fixed at its bound may have to leave it once the others have moved.
-    slope = gradient + np.einsum("lpq,lq->lp", damped, step)
-    inward = np.where(down >= 0.0, slope < 0.0, slope > 0.0)
-    beyond |= np.any(free & at_bound & inward, axis=1)
-    least, most = np.where(free, least, 0.0), np.where(free, most, 0.0)
-    step = np.clip(step, least, most)
-    for lane in np.flatnonzero(beyond):
-        model = gradient[lane], damped[lane], least[lane], most[lane]
-        step[lane] = _least_between(*model)
-    linear = np.einsum("lp,lp->l", gradient, step)
-    square = np.einsum("lp,lpq,lq->l", step, hessian, step)
-    return step, -(linear + 0.5 * square)
+    from scipy.optimize import lsq_linear
 
-
-def is_near(
-    objective: Objective, points: Points, lane, others: np.ndarray, place: float
-) -> np.ndarray:
-    """Find which of the others, of equal or lower cost, are at the minimum of a lane:
-    within `place` in x, and a difference in cost that the data cannot resolve."""
-    apart = points.x[others] - points.x[lane]
-    distance = np.einsum("lp,lpq,lq->l", apart, points.hessian[others], apart)
-    least = objective.unit(points.cost[others]) * ONE_MINIMUM**2
-    more = points.cost[lane] - points.cost[others]
-    near = np.all(np.abs(apart) <= place, axis=1) & (distance <= least)
-    return near & (more >= 0.0) & (more <= least)
-
-
-def _join(objective: Objective, points: Points, state: _State) -> None:
-    """Let fits that have met another one continue as that one."""
-    ahead = [reason is None or reason.at_minimum for reason in state.reasons]
-    ahead = np.array(ahead) & (state.leader == np.arange(len(ahead)))
-    for lane in np.flatnonzero(state.going):
-        ahead[lane] = False
-        others = np.flatnonzero(ahead)
-        near = is_near(objective, points, lane, others, ONE_PATH)
-        if np.any(near):
-            state.leader[lane] = others[np.argmax(near)]
-            state.reasons[lane] = Reason.joined
-        else:
-            ahead[lane] = True
-
-
-def _with_leaders(fits: Fits, leader: np.ndarray) -> Fits:
-    """Replace fits that joined another by the end of that one."""
-    lanes = np.flatnonzero(leader != np.arange(len(leader)))
-    while np.any(leader[leader] != leader):
-        leader = leader[leader]
-    ends = [fits.reasons[last] for last in leader[lanes]]
-    reasons = [Reason.joined if end.at_minimum else end for end in ends]
-    return fits.ending(lanes, fits.points.take(leader[lanes]), reasons)
-
-
-def _least_between(gradient, hessian, least, most) -> np.ndarray:
-    """Minimise the quadratic model of one fit between limits by active sets.
-
-    The step is never worse than none, however the unknowns are correlated.
-    """
-    step = np.zeros_like(gradient)
-    open_ = least < most
-    moving = open_ & ~((least >= 0.0) & (gradient > 0.0))
-    moving &= ~((most <= 0.0) & (gradient < 0.0))
-    for _ in range(ROUNDS * len(step)):
-        places = np.flatnonzero(moving)
-        slope = gradient + hessian @ step
-        system = hessian[np.ix_(places, places)]
-        move = solve_positive(system, -slope[places])
-        limit = np.where(move > 0.0, most[places], least[places])
-        room = limit - step[places]
-        beyond = np.abs(move) > np.abs(room)
-        if np.any(beyond):
-            fraction = np.full(len(places), np.inf)
-            fraction[beyond] = room[beyond] / move[beyond]
-            first = int(np.argmin(fraction))
-            step[places] += fraction[first] * move
-            step[places[first]] = limit[first]
-            moving[places[first]] = False
-            continue
-        step[places] += move
-        slope = gradient + hessian @ step
-        inward = np.where(step <= least, -slope, slope)
-        inward = np.where(open_ & ~moving, inward, 0.0) / np.sqrt(np.diag(hessian))
-        if np.max(inward) <= ROUNDING * np.max(np.abs(gradient)):
-            break
-        moving[np.argmax(inward)] = True
-    return step
-
-
-def _reason(
-    state: _State, lane, cost, variance, promise, failed, rule: StoppingRule
-) -> Reason | None:
-    """Apply the stopping rule, with s^2 at this cost, the fall of the cost that a full
-    step promises, and whether a prediction is missing; None to continue."""
-    rejected, falls = state.rejected[lane], state.falls[lane]
-    if promise <= max(rule.promise, rule.part * variance):
-        return Reason.failed if failed else Reason.converged
-    promise = promise / max(1.0, variance)
-    if rejected >= FEW_REJECTED and promise <= rule.lost:
-        return Reason.noise
-    at_jump = state.since_jump[lane] <= FLAT_STEPS
-    if rejected >= rule.rejected:
-        if promise <= rule.blurred:
-            return Reason.noise
-        return Reason.failed if failed else Reason.jump if at_jump else Reason.stuck
-    enough = len(falls) >= FLAT_STEPS and rejected == 0
-    if enough and sum(falls[-FLAT_STEPS:]) <= rule.flat * cost:
-        return Reason.jump if at_jump else Reason.flat
-    return None
-
-
-def step_line(number: int, cost: np.ndarray, reasons: list[Reason | None]) -> str:
-    """Say how far fits are, those without a reason to stop still going."""
-    return (
-        f"step {number}: {reasons.count(None)} of {len(cost)} fits go on, lowest cost "
-        f"{np.min(cost):.6g}"
+    gradient, hessian = points.gradient[0], points.hessian[0]
+    bounds, x = objective.bounds, points.x[0]
+    free = np.ones(len(x), bool) if free is None else free
+    free = free & (bounds.low < bounds.high)
+    step = np.zeros(len(x))
+    if not np.any(free) or not np.any(gradient[free]):
+        return step, 0.0
+    # Unknowns of very different influence keep their digits beside each other.
+    diagonal = np.diag(hessian)[free]
+    scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scaled = hessian[np.ix_(free, free)] / (scale[:, None] * scale)
+    values, vectors = np.linalg.eigh(scaled)
+    kept = values > ROUNDING * max(values[-1], ROUNDING)
+    if not np.any(kept):
+        return step, 0.0
+    root = np.sqrt(values[kept])
+    rows = root[:, None] * vectors[:, kept].T
+    right = -(vectors[:, kept].T @ (gradient[free] / scale)) / root
+    room = [(end[free] - x[free]) * scale for end in (bounds.low, bounds.high)]
+    # Where a bound is reached there is no room on one side; the solver wants some.
+    low, high = np.minimum(room[0], -1e-300), np.maximum(room[1], 1e-300)
+    found = lsq_linear(rows, right, (low, high), method="bvls")
+    step[free] = np.clip(
+        found.x / scale, (bounds.low - x)[free], (bounds.high - x)[free]
     )
+    fall = -(gradient @ step + 0.5 * step @ hessian @ step)
+    return step, max(float(fall), 0.0)

@@ -1,8 +1,8 @@
 """Linear algebra with positive matrices that may be singular, never an exception.
 
-Inverse and solution scale a matrix to a unit diagonal first, so that unknowns of very
-different influence keep their digits beside each other; the pseudo-inverse leaves out
-what vanishes beside the largest.
+The inverse scales a matrix to a unit diagonal first, so that unknowns of very different
+influence keep their digits beside each other; the pseudo-inverse leaves out what
+vanishes beside the largest.
 """
 
 import numpy as np
@@ -33,25 +33,6 @@ def inverse_positive(matrix: np.ndarray) -> np.ndarray:
     values = np.maximum(values, LEAST)
     inverse = (vectors / values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
     return inverse / (root[..., :, None] * root[..., None, :])
-
-
-def solve_positive(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve A x = b for positive matrices, shape (..., n, n), and b, shape (..., n).
-
-    Where a matrix is singular, x is the least solution without the lost directions.
-    """
-    try:
-        found = np.linalg.solve(matrix, right[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        found = np.full(right.shape, np.nan)
-    lost = ~np.all(np.isfinite(found), axis=-1)
-    if not np.any(lost):
-        return found
-    root, values, vectors = _scaled(matrix)
-    inverse = np.where(values > LEAST, 1.0 / np.maximum(values, LEAST), 0.0)
-    along = np.einsum("...pq,...p->...q", vectors, right / root) * inverse
-    least = np.einsum("...pq,...q->...p", vectors, along) / root
-    return np.where(lost[..., None], least, found)
 
 
 def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:

@@ -156,7 +156,7 @@ def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:
 
     Args:
         fits: the best fit, of one lane.
-        fit: called as `fit(objective, x)`.
+        fit: called as `fit(objective, x)`, x of shape (unknowns,).
     """
     if np.all(objective.study.sigma_given):
         return objective, fits
@@ -171,5 +171,5 @@ def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:
         if change <= SETTLED:
             break
         with within(f"errors of measurement, round {number}: "):
-            fits = fit(objective, points.x)
+            fits = fit(objective, points.x[0])
     return objective, fits

@@ -8,7 +8,7 @@ the first for a parameter that is always positive, so that differences in x are
 relative; h is half the range, so that a standard error of 1 is useless in both.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -60,9 +60,9 @@ class Bounds(NamedTuple):
         """Upper bounds in x."""
         return self.coordinate(self.upper)
 
-    def at_fraction(self, fraction) -> np.ndarray:
-        """Compute x at a fraction of the range, from the lower bound to the upper."""
-        return self.low + np.asarray(fraction) * (self.high - self.low)
+    def at_fraction(self, fraction) -> Any:
+        """Compute x at a fraction of the range, of NumPy or JAX."""
+        return self.low + fraction * (self.high - self.low)
 
     def fraction(self, x) -> np.ndarray:
         """Compute the position of x in its range; the inverse of `at_fraction`."""

@@ -19,7 +19,6 @@ CRITERIA = ("D", "A")
 COUNT = 3
 MOST = 1000
 """Largest number of further tests."""
-KEYS = ("candidates", "measure", "count", "criterion")
 
 
 class Sigma(NamedTuple):
@@ -62,7 +61,7 @@ def checked_axes(
     out of range.
     """
     axes = {}
-    for name, given in candidates.items():
+    for name, stated in candidates.items():
         place = {"file": file, "key": f"{key}.{name}"}
         if name not in columns:
             raise InputError(f"is unknown; {why_unknown(name, columns)}", **place)
@@ -70,12 +69,12 @@ def checked_axes(
             raise InputError("is fitted; a test cannot choose it", **place)
         column = columns[name]
         try:
-            values = np.atleast_1d(real_numbers(name, given))
+            values = np.atleast_1d(real_numbers(name, stated))
         except InputError:
             values = np.empty(0)
         if values.ndim != 1 or not values.size or not np.all(column.is_allowed(values)):
             raise InputError(
-                f"must hold numbers {column.requirement}, but is {given!r}", **place
+                f"must hold numbers {column.requirement}, but is {stated!r}", **place
             )
         axes[name] = values
     size = math.prod(map(len, axes.values()))
@@ -91,29 +90,27 @@ def checked_measure(
     Raises InputError for a result that is unknown, or without a sigma above 0.
     """
     sigmas = {}
-    for name, given in measure.items():
+    for name, stated in measure.items():
         place = {"file": file, "key": f"{key}.{name}"}
         if name not in TARGET_COLUMNS or name in CURVE_COLUMNS:
             raise InputError(
                 f"is unknown; did you mean {nearest(name, TARGET_COLUMNS)}?", **place
             )
-        sigma = given if isinstance(given, Sigma) else Sigma(absolute=float(given))
+        sigma = stated if isinstance(stated, Sigma) else Sigma(absolute=float(stated))
         if not (min(sigma) >= 0.0 and 0.0 < max(sigma) < np.inf):
-            raise InputError(f"needs a sigma above 0, but it is {given}", **place)
+            raise InputError(f"needs a sigma above 0, but it is {stated}", **place)
         sigmas[name] = sigma
     return sigmas
 
 
 def read_candidates(
-    top: Key,
-    content: dict,
-    fitted: tuple[str, ...],
-    columns: Mapping[str, InputColumn],
+    top: Key, content: dict, fitted: tuple[str, ...], columns: Mapping[str, InputColumn]
 ) -> Candidates:
     """Read the table `further_tests` of a study with these fitted parameters and
     columns of the scene."""
     key = top["further_tests"]
-    entries = known_table(top, content, "further_tests", KEYS)
+    known = "candidates", "measure", "count", "criterion"
+    entries = known_table(top, content, "further_tests", known)
     candidates = typed(key, entries, "candidates", dict, {})
     axes = checked_axes(candidates, fitted, columns, **key["candidates"].place)
     sigmas = {

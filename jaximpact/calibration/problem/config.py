@@ -6,7 +6,7 @@ import itertools
 import operator
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,12 +15,7 @@ from ...errors import InputError, nearest
 from ...io.checks import check_memory
 from ...io.toml import Key, check_keys, choice, known_table, load_toml, typed, whole
 from ...parameters import Part
-from ...quantities import (
-    CURVE_COLUMNS,
-    SLOTS,
-    InputColumn,
-    columns_of,
-)
+from ...quantities import CURVE_COLUMNS, SLOTS, InputColumn, columns_of
 from ...scene import Scene
 from .candidates import Candidates, read_candidates
 from .dataset import Measurements, read_tests
@@ -37,11 +32,13 @@ KEYS = (
     *("scatter", "weights", "variants", "further_tests", "compare"),
 )
 TOML = ".toml"
-METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
-STARTS = 64
+SLOPE_KEYS = ("profile", "observed")
+"""Keys of which a study of a slope has one, and one of impacts none."""
+METHODS = ("trust-region", "adam", "l-bfgs")
+STARTS = 48
 ACCURACY = "reference"
 """Derivatives of coarser impacts are sometimes wrong by a tenth, so that a fit stops
-beside its minimum. They only rank starts, whatever a study says."""
+beside its minimum. They only search, whatever a study says."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,6 +89,7 @@ class Study:
     """Weights of the targets on the losses, shape (targets,)."""
     loss: str = LOSSES[0]
     starts: int = STARTS
+    """Size of the population that searches; 1 for a fit from the start alone."""
     seed: int = 0
     accuracy: str = ACCURACY
     method: str = METHODS[0]
@@ -145,10 +143,6 @@ class Study:
     def exact(self) -> np.ndarray:
         """Mask of measurements that are no limits, shape (tests, targets)."""
         return self.known & (self.censored == 0)
-
-
-SLOPE_KEYS = ("profile", "observed")
-"""Keys of which a study of a slope has one, and one of impacts none."""
 
 
 class SlopeStudyError(InputError):
@@ -246,21 +240,21 @@ def _compare(top: Key, content: dict) -> CompareTable | None:
     """Read the table `compare`; None where there is none."""
     if "compare" not in content:
         return None
-    names, entries = {}, known_table(top, content, "compare", CompareTable._fields)
-    for key, given in entries.items():
-        given = [given] if isinstance(given, str) else given
-        if not isinstance(given, list) or not all(isinstance(n, str) for n in given):
-            raise top["compare"][key].error(
-                f"must be a name or a list of names, but is {given!r}"
-            )
-        names[key] = tuple(given)
-    return CompareTable(**names)
+    key = top["compare"]
+    entries = known_table(top, content, "compare", CompareTable._fields)
+    return CompareTable(**{n: _texts(key[n], v, "name") for n, v in entries.items()})
+
+
+def _texts(key: Key, value: Any, what: str) -> tuple[str, ...]:
+    texts = [value] if isinstance(value, str) else value
+    if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+        raise key.error(f"must be a {what} or a list of {what}s, but is {value!r}")
+    return tuple(texts)
 
 
 def _held(
     top: Key, content: dict, whole: str, columns: Mapping[str, InputColumn]
 ) -> dict[str, float]:
-    """Read the numbers of the table `soil` or `block`."""
     entries = typed(top, content, whole, dict, {})
     values = {n: v for n, v in entries.items() if SLOTS.get(n) != whole}
     known = {name: c for name, c in columns.items() if c.part == whole}
@@ -268,14 +262,12 @@ def _held(
 
 
 def _data(top: Key, content: dict) -> list[Path]:
-    """List the tables that a study names."""
     key, directory = top["data"], top.file.parent
     if "data" not in content:
         raise key.error("is missing; it names the table of tests")
-    given = content["data"]
-    names = given if isinstance(given, list) else [given]
-    if not names or not all(isinstance(name, str) for name in names):
-        raise key.error(f"must be a file or a list of files, but is {given!r}")
+    names = _texts(key, content["data"], "file")
+    if not names:
+        raise key.error("names no table of tests")
     for first, second in itertools.combinations(names, 2):
         if _is_same(directory / first, directory / second):
             raise key.error(f"names one file twice: {first} and {second}")
@@ -283,7 +275,6 @@ def _data(top: Key, content: dict) -> list[Path]:
 
 
 def _is_same(first: Path, second: Path) -> bool:
-    """Test whether two paths lead to one file, by links too."""
     try:
         return first == second or first.samefile(second)
     except (OSError, ValueError):  # reported where it is read

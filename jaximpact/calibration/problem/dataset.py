@@ -1,4 +1,8 @@
-"""Tests of a study, joined from one or several tables."""
+"""Tests of a study, joined from one or several tables, with the curves of their forces.
+
+Each time of a curve is a row of the tests, with the impact of its test, the time in
+`time_s`, and the forces there. Points of one curve share one simulated impact.
+"""
 
 import csv
 import dataclasses
@@ -12,9 +16,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...errors import InputError
-from ...io.scene_table import SceneTable, read_table
+from ...io.scene_table import SIGMA_COLUMNS, SceneTable, read_table
 from ...parameters import Part, parameters_of
 from ...quantities import (
+    CURVE_COLUMNS,
+    CURVE_FILE,
     LABEL_COLUMNS,
     SIGMA_PREFIX,
     SLOTS,
@@ -26,9 +32,10 @@ from ...quantities import (
 from ...scene import PARTS, Scene
 from ...scene_quantities import SHAPE, value_of, with_shapes
 from ...shapes import AbstractShape, MixedShapes
-from .force_curves import with_curves
 
 CAMPAIGN = "campaign"
+OF_CURVES = (*CURVE_COLUMNS, *(SIGMA_PREFIX + name for name in CURVE_COLUMNS))
+"""Columns of a curve's file, beside the time."""
 LIMITS = {1: ">", -1: "<", 0: ""}
 """Sign of a limit, as tables write it, for each code in `censored`."""
 
@@ -146,31 +153,31 @@ class Measurements:
         }
         return dataclasses.replace(self, inputs=self.inputs | added)
 
-    def columns(self, held: Mapping[str, float]) -> dict[str, np.ndarray]:
+    def columns(self, fixed: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Collect every column of the scene, shape (tests,), in the unit of its name.
 
         Args:
-            held: values that are in no file; parameters of other laws do not count.
+            fixed: values that are in no file; parameters of other laws do not count.
         """
         return {
             name: np.broadcast_to(
                 np.asarray(
-                    self.inputs.get(name, held.get(name, column.default)), float
+                    self.inputs.get(name, fixed.get(name, column.default)), float
                 ),
                 len(self),
             )
             for name, column in self.known_columns.items()
         }
 
-    def scene(self, held: Mapping[str, float]) -> Scene:
+    def scene(self, fixed: Mapping[str, float]) -> Scene:
         """Make one scene of all tests, arrays (tests,) in SI.
 
         Args:
-            held: values as for `columns`.
+            fixed: values as for `columns`.
         """
         known = self.known_columns
         fields: dict[str, dict] = {part: {} for part in PARTS}
-        for name, values in self.columns(held).items():
+        for name, values in self.columns(fixed).items():
             fields[known[name].part][known[name].field] = known[name].factor * values
         scene = Scene(
             **{
@@ -195,7 +202,7 @@ def read_tests(paths: list[Path], base: Scene) -> Measurements:
 def joined_tables(files: tuple[SceneTable, ...]) -> Measurements:
     """Join tables of tests, with the points of their curves. Raises InputError where
     their laws differ, and for a file that is no curve."""
-    files = tuple(with_curves(table) for table in files)
+    files = tuple(_with_curves(table) for table in files)
     base = _joined_base(files)
     known = columns_of(base)
 
@@ -203,14 +210,14 @@ def joined_tables(files: tuple[SceneTable, ...]) -> Measurements:
         """Collect columns that any table has, a piece from each."""
         columns = [(getattr(table, of_table), len(table.rows)) for table in files]
         return {
-            name: [own.get(name, [filling] * count) for own, count in columns]
+            name: [of_one.get(name, [filling] * count) for of_one, count in columns]
             for name in names
-            if any(name in own for own, _ in columns)
+            if any(name in of_one for of_one, _ in columns)
         }
 
     def joined(names, of_table="numbers", filling=np.nan) -> dict[str, np.ndarray]:
-        found = pieces(names, of_table, filling)
-        return {name: np.concatenate(parts) for name, parts in found.items()}
+        by_name = pieces(names, of_table, filling)
+        return {name: np.concatenate(parts) for name, parts in by_name.items()}
 
     texts = pieces(LABEL_COLUMNS, "labels", "")
     labels = {name: _chained(parts) for name, parts in texts.items()}
@@ -235,6 +242,75 @@ def joined_tables(files: tuple[SceneTable, ...]) -> Measurements:
     )
 
 
+def _with_curves(table: SceneTable) -> SceneTable:
+    """Append the points of the curves that rows of a table of tests name.
+
+    Raises InputError for a file that is no curve.
+    """
+    curves = {
+        row: _read_curve(table, row, name)
+        for row, name in enumerate(table.labels.get(CURVE_FILE, ()))
+        if name
+    }
+    if not curves:
+        return table
+    count = len(table.rows)
+    sizes = [len(curve.rows) for curve in curves.values()]
+    row_of = np.concatenate([np.arange(count), np.repeat([*curves], sizes)])
+    results = TIME_COLUMN, *TARGET_COLUMNS, *SIGMA_COLUMNS
+
+    def column(name: str) -> np.ndarray:
+        of_rows = table.numbers.get(name, np.full(count, np.nan))
+        if name not in results:
+            return of_rows[row_of]
+        points = [
+            curve.numbers.get(name, np.full(len(curve.rows), np.nan))
+            for curve in curves.values()
+        ]
+        return np.concatenate([of_rows, *points])
+
+    names = dict.fromkeys((*table.numbers, TIME_COLUMN))
+    names |= dict.fromkeys(n for c in curves.values() for n in c.numbers)
+    base, shape = table.base, table.base.block.shape
+    if isinstance(shape, MixedShapes):
+        base = with_shapes(base, [shape.kinds[int(shape.index[r])] for r in row_of])
+    measured = dict.fromkeys(n for n in names if n in TARGET_COLUMNS)
+    points = np.zeros(sum(sizes), int)
+    signs = {n: table.censored.get(n, np.zeros(count, int)) for n in measured}
+    return dataclasses.replace(
+        table,
+        rows=[table.rows[row] for row in row_of],
+        lines=table.lines[row_of],
+        numbers={name: column(name) for name in names},
+        censored={n: np.concatenate([of_n, points]) for n, of_n in signs.items()},
+        labels={n: [texts[row] for row in row_of] for n, texts in table.labels.items()},
+        base=base,
+        beside=tuple({curve.path: curve for curve in curves.values()}.values()),
+    )
+
+
+def _read_curve(table: SceneTable, row: int, name: str) -> SceneTable:
+    place = {"file": table.path, "row": int(table.lines[row]), "column": CURVE_FILE}
+    path = table.path.parent / name
+    if not path.is_file():
+        raise InputError(f"names {name}, which is no file in {path.parent}", **place)
+    curve = read_table(path, measured=True)
+    columns = [*curve.numbers, *curve.labels]
+    for column in columns:
+        if column not in (TIME_COLUMN, *OF_CURVES):
+            raise InputError(
+                f"belongs into {table.path.name}: a curve holds {TIME_COLUMN} and "
+                f"{' or '.join(CURVE_COLUMNS)}",
+                file=path,
+                column=column,
+            )
+    if TIME_COLUMN not in columns or not {*columns} & {*CURVE_COLUMNS}:
+        raise InputError(
+            f"must have {TIME_COLUMN} and {' or '.join(CURVE_COLUMNS)}", file=path
+        )
+    return curve
+
+
 def _joined_base(files: tuple[SceneTable, ...]) -> Scene:
     """Find the laws of all tables, and the shape of each of their rows."""
     base = files[0].base
@@ -252,7 +328,6 @@ def _joined_base(files: tuple[SceneTable, ...]) -> Scene:
 
 
 def _kinds_of(shape: AbstractShape, count: int) -> list[type[AbstractShape]]:
-    """List the shape of each test."""
     if isinstance(shape, MixedShapes):
         return [shape.kinds[int(place)] for place in shape.index]
     return [type(shape)] * count

@@ -18,11 +18,6 @@ from ...errors import nearest
 from ...io.toml import Key
 from ...quantities import InputColumn
 
-LONGEST = 500
-"""Characters of an expression: far more than any needs."""
-CORNERS = 256
-"""Points within the bounds at which a tied parameter is checked."""
-
 OPERATORS: dict[type[ast.operator], Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -91,7 +86,7 @@ def read_tied(
     Raises InputError, naming file and key, for what is no expression, names what is not
     known, or leaves the range of the column within the bounds.
     """
-    if not isinstance(text, str) or len(text) > LONGEST:
+    if not isinstance(text, str) or len(text) > 500:
         raise key.error(f"must be a text like '2 * c_v', but is {str(text)[:40]!r}")
     try:
         tree = ast.parse(text, mode="eval").body
@@ -102,12 +97,12 @@ def read_tied(
     names = tuple(fitted)
     ends = np.array([fitted[n] for n in names])
     random = np.random.default_rng(0)
-    inside = random.random((CORNERS, len(names)))
+    # Half of the coordinates are at a bound.
+    inside = random.random((256, len(names)))
     corners = np.where(random.random(inside.shape) < 0.5, np.round(inside), inside)
     points = ends[:, 0] + corners * np.ptp(ends, axis=1)
-    values = np.broadcast_to(
-        tied.evaluate(dict(zip(names, points.T, strict=True))), CORNERS
-    )
+    values = tied.evaluate(dict(zip(names, points.T, strict=True)))
+    values = np.broadcast_to(values, len(points))
     wrong = ~column.is_allowed(values)
     if np.any(wrong):
         raise key.error(
@@ -121,7 +116,7 @@ def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[
     """List the parameters that an expression names. Raises InputError for anything that
     it must not hold."""
     operators = ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow
-    called, found = set(), []
+    called, used = set(), []
     for node in ast.walk(tree):
         match node:
             case ast.Call(func=ast.Name(id=name) as function, args=[_], keywords=[]):
@@ -136,7 +131,7 @@ def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[
                         f"names {name!r}, which is not fitted and has no fixed value; "
                         f"did you mean {nearest(name, known)!r}?"
                     )
-                found.append(name)
+                used.append(name)
             case ast.Constant(value=bool()):
                 raise key.error(f"{text!r} holds a truth value")
             case ast.Constant(value=int() | float()):
@@ -152,4 +147,4 @@ def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[
                     f"{text!r} must hold numbers, parameters, + - * / ** and "
                     f"{', '.join(FUNCTIONS)} alone"
                 )
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(used))

@@ -16,14 +16,7 @@ from ...io.toml import (
 from ...quantities import LABEL_COLUMNS, InputColumn
 from .dataset import CAMPAIGN, Measurements
 from .expressions import Tied, read_tied
-from .nuisance import (
-    EACH_TEST,
-    MOST_GROUP_SD,
-    Nuisance,
-    Prior,
-    pooled_nuisance,
-    read_prior,
-)
+from .nuisance import EACH_TEST, Nuisance, Prior, pooled_nuisance, read_prior
 
 DEFAULT_BOUNDS = {
     "c_v": (0.01, 10.0),
@@ -78,8 +71,8 @@ def read_parameters(
         check_keys(key, entry, ("expression",))
         if not fitted:
             raise key.error("names no fitted parameter")
-        given = key["expression"], name, entry["expression"]
-        tied.append(read_tied(*given, ranges, fixed, columns[name]))
+        expression = key["expression"], name, entry["expression"]
+        tied.append(read_tied(*expression, ranges, fixed, columns[name]))
     pooled = (_pooled(top, p, chosen[p.name], tests) for p in fitted)
     return fitted, tuple(tied), tuple(one for one in pooled if one is not None)
 
@@ -87,7 +80,6 @@ def read_parameters(
 def _pooled(
     top: Key, parameter: Parameter, entry: dict, tests: Measurements
 ) -> Nuisance | None:
-    """Read the groups of a parameter, if it has any."""
     key = top["parameters"][parameter.name]
     if "by" not in entry and "group_sd" not in entry:
         return None
@@ -101,10 +93,11 @@ def _pooled(
             "is missing: the standard deviation of the groups' logarithms, like 0.3"
         )
     sd = number(key["group_sd"], entry["group_sd"])
-    if not (0.0 < sd <= MOST_GROUP_SD and parameter.logarithmic):
+    # Factors of a group reach up to exp(REACH * sd).
+    if not (0.0 < sd <= 1.0 and parameter.logarithmic):
         raise key["group_sd"].error(
-            f"must lie above 0 and up to {MOST_GROUP_SD:g}, for a parameter whose "
-            f"lower bound is above 0, but is {sd:g}"
+            "must lie above 0 and up to 1, for a parameter whose lower bound is above "
+            f"0, but is {sd:g}"
         )
     return pooled_nuisance(top, parameter.name, by, sd, tests)
 

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from ..._jax_internals import namespace_of
 from ..._types import Structure
 from ...accuracy import PRESETS, Accuracy
 from ...backend import MACHINE_CODE, XLA
@@ -25,10 +26,10 @@ from ...scene import Scene
 from ...shapes import each_shape
 from ...simulation import simulate
 from ...tasks import Item, Result, run_in_threads
+from ...units import DEGREE
 from .bounds import Bounds
 from .config import Study
 from .dataset import Measurements
-from .derived_targets import derived
 from .program import ImpactProgram, ImpactRows, OwnColumn, Response, program_of
 
 
@@ -59,17 +60,17 @@ class UnknownColumn(NamedTuple):
 def unknown_columns(study: Study) -> list[UnknownColumn]:
     """List the columns of the scene that are fitted: parameters, then nuisances."""
     tests, first = len(study.tests), len(study.parameters)
-    found = [
+    columns = [
         UnknownColumn(parameter.name, np.zeros(tests), np.full(tests, index))
         for index, parameter in enumerate(study.parameters)
     ]
     for nuisance in study.nuisances:
         unknown = first + nuisance.group
-        found.append(
+        columns.append(
             UnknownColumn(nuisance.name, nuisance.base, unknown, nuisance.pooled)
         )
         first += len(nuisance.groups)
-    return found
+    return columns
 
 
 class Impacts(NamedTuple):
@@ -117,7 +118,6 @@ class ForwardModel:
         self.cell[np.ix_(~timed, ~is_curve)] = np.arange(others)
         of_curves = others + most * np.arange(curves) + slot[timed, None]
         self.cell[np.ix_(timed, is_curve)] = of_curves
-        self.count = int(others + most * curves)
 
     @property
     def engine(self) -> str:
@@ -128,14 +128,24 @@ class ForwardModel:
     def predict(self, p: Array, accuracy: Accuracy) -> Array:
         """Predict all tests, shape (tests, targets), as a function of JAX of the
         unknowns, shape (unknowns,); NaN where there is no prediction."""
-        own = jnp.asarray(self.base) + p[self.unknown]
-        results = jnp.full((len(own), self.count), jnp.nan)
+        own, results = jnp.asarray(self.base) + p[self.unknown], []
         for program, places, leaves in self.impacts:
             rows = own[places], jnp.asarray(leaves), jnp.asarray(self.times[places])
-            found, _ = program.results(*rows, accuracy)
-            results = results.at[places].set(found)
-        found = results[self.impact[:, None], self.cell]
-        return jnp.where(self.cell >= 0, found, jnp.nan)
+            results.append(program.results(*rows, accuracy)[0])
+        return self._of_tests(jnp.concatenate(results))
+
+    def _of_tests(self, results: Any) -> Any:
+        """Collect predictions from the results of impacts, shape (..., impacts,
+        results), shape after shape."""
+        predicted = results[..., self._row[:, None], self.cell]
+        return namespace_of(predicted).where(self.cell >= 0, predicted, np.nan)
+
+    @property
+    def _row(self) -> np.ndarray:
+        """Index of each test's impact where those of one shape follow those of
+        another."""
+        places = np.concatenate([impacts.places for impacts in self.impacts])
+        return np.argsort(places)[self.impact]
 
     def evaluate(
         self, p: np.ndarray, accuracy: Accuracy, *, derivatives: bool
@@ -151,28 +161,22 @@ class ForwardModel:
             each test (`unknown`), shape (lanes, tests, targets, columns).
         """
         own = self.base + p[:, self.unknown]
-        lanes, impacts, columns = own.shape
-        results = np.full((lanes, impacts, self.count), np.nan)
-        outcomes = np.empty((lanes, impacts))
-        slopes = np.zeros((*results.shape, columns)) if derivatives else None
+        lanes, _, columns = own.shape
+        of_shapes = []
         for program, places, leaves in self.impacts:
             rows = ImpactRows(
                 own[:, places].reshape(-1, columns),
                 np.tile(leaves, (lanes, 1)),
                 np.tile(self.times[places], (lanes, 1)),
             )
-            found = program.run(rows, accuracy, derivatives=derivatives)
-            found = [each.reshape(lanes, -1, *each.shape[1:]) for each in found]
-            results[:, places], outcomes[:, places] = found[:2]
-            if slopes is not None:
-                slopes[:, places] = found[2]
-        cells = slice(None), self.impact[:, None], self.cell
-        predicted = np.where(self.cell >= 0, results[cells], np.nan)
-        return (
-            predicted,
-            outcomes[:, self.impact],
-            None if slopes is None else slopes[cells],
+            of_shape = program.run(rows, accuracy, derivatives=derivatives)
+            of_shapes.append([x.reshape(lanes, -1, *x.shape[1:]) for x in of_shape])
+        results, outcomes, *slopes = (
+            np.concatenate(parts, axis=1) for parts in zip(*of_shapes, strict=True)
         )
+        row = self._row
+        by_own = slopes[0][:, row[:, None], self.cell] if derivatives else None
+        return self._of_tests(results), outcomes[:, row], by_own
 
     def of_tests(self, tests: np.ndarray) -> "ForwardModel":
         """Return the model of the tests at some places alone."""
@@ -193,7 +197,6 @@ class ForwardModel:
 def forward_models(
     study: Study,
     grounds: Sequence[Any],
-    columns: Sequence[UnknownColumn],
     known: Mapping[str, InputColumn],
     response: Response,
 ) -> list[ForwardModel]:
@@ -201,10 +204,9 @@ def forward_models(
 
     Args:
         grounds: tree of all tests on each ground, leaves (tests,).
-        columns: columns of the trees that are fitted.
         known: all columns of the trees.
     """
-    first = np.unique(study.tests.first_of_row)
+    first, columns = np.unique(study.tests.first_of_row), unknown_columns(study)
     leaves_of: dict[Structure, list[np.ndarray]] = {}
     split = []
     for ground in grounds:
@@ -225,7 +227,9 @@ def forward_models(
     }
     return [
         ForwardModel(
-            *(study.tests, study.targets, columns),
+            study.tests,
+            study.targets,
+            columns,
             [
                 Impacts(programs[structure], here, leaves[programs[structure].varied].T)
                 for structure, here, leaves in shapes
@@ -251,19 +255,19 @@ class ImpactModel(NamedTuple):
     def __call__(self, tree: Scene, times: Array, accuracy: Accuracy):
         """Simulate impacts."""
         save_at = times if times.shape[-1] else None
-        found = simulate(tree, accuracy=accuracy, save_at=save_at)
+        simulated = simulate(tree, accuracy=accuracy, save_at=save_at)
 
         def value(name: str) -> Array:
-            return getattr(found, TARGET_COLUMNS[name].field)
+            return getattr(simulated, TARGET_COLUMNS[name].field)
 
         results = [results_in_order(self.targets, tree, value)]
-        if found.history is not None:
+        if simulated.history is not None:
             results += [
-                getattr(found.history, CURVE_COLUMNS[name].field)
+                getattr(simulated.history, CURVE_COLUMNS[name].field)
                 for name in self.targets
                 if name in CURVE_COLUMNS
             ]
-        return results, found.outcome_code
+        return results, simulated.outcome_code
 
 
 def results_in_order(
@@ -271,7 +275,7 @@ def results_in_order(
 ) -> Array:
     """Collect the targets that are no forces at times, some of which follow from
     others, shape (impacts, targets)."""
-    found = [
+    each = [
         derived(name, scene, value("v_n_mps"), value("v_t_mps"))
         if name in DERIVED_COLUMNS
         else value(name)
@@ -279,7 +283,29 @@ def results_in_order(
         if name not in CURVE_COLUMNS
     ]
     count = len(scene.impact.speed)
-    return jnp.stack(found, axis=1) if found else jnp.empty((count, 0))
+    return jnp.stack(each, axis=1) if each else jnp.empty((count, 0))
+
+
+def derived(name: str, scene: Scene, v_n: Array, v_t: Array) -> Array:
+    r"""Compute a target of impacts that follows from their velocities $v_n, v_t$ after
+    and from speed $v$, angle $\theta$ and mass $m$ before:
+
+    $$ \frac{v_n^2 + v_t^2}{v^2}, \qquad \arctan\frac{v_t}{-v_n}, \qquad
+       m (v \cos\theta - v_n), \qquad m (v \sin\theta - v_t) , $$
+
+    the ratio of translational energies, the angle of the rebound from the ground's
+    normal, and the impulses of the ground, less those of gravity.
+    """
+    block, impact = scene.block, scene.impact
+    if name == "translational_ratio":
+        return (v_n**2 + v_t**2) / impact.speed**2
+    if name == "rebound_angle_deg":
+        # At rest the angle is 0, and so is its derivative.
+        at_rest = (v_n == 0.0) & (v_t == 0.0)
+        return jnp.arctan2(v_t, jnp.where(at_rest, 1.0, -v_n)) / DEGREE
+    normal = name == "normal_impulse_Ns"
+    along = jnp.cos(impact.angle) if normal else jnp.sin(impact.angle)
+    return block.mass * (impact.speed * along - (v_n if normal else v_t))
 
 
 def models_of(study: Study) -> list[ForwardModel]:
@@ -287,7 +313,7 @@ def models_of(study: Study) -> list[ForwardModel]:
     scenes = [study.scene_of(variant) for variant in study.variants]
     known = {name: c for scene in scenes for name, c in columns_of(scene).items()}
     response = ImpactModel(study.targets)
-    return forward_models(study, scenes, unknown_columns(study), known, response)
+    return forward_models(study, scenes, known, response)
 
 
 def for_each_variant(

@@ -46,19 +46,19 @@ def parts_and_values(
     Raises InputError, naming the key, for a law that cannot be had.
     """
     parts, values = {}, {}
-    for name, given in entries.items():
+    for name, entry in entries.items():
         if SLOTS.get(name) != whole:
-            values[name] = given
+            values[name] = entry
             continue
-        if isinstance(given, BASES[name]):
-            parts[name] = given
-        elif isinstance(given, str):
+        if isinstance(entry, BASES[name]):
+            parts[name] = entry
+        elif isinstance(entry, str):
             with table[name].located():
-                parts[name] = part_named(name, given, directory)
+                parts[name] = part_named(name, entry, directory)
         else:
             raise table[name].error(
                 f"must be a name, like {USUAL[name].__name__!r} or "
-                f"'my_laws.py:MyLaw', but is {given!r}"
+                f"'my_laws.py:MyLaw', but is {entry!r}"
             )
     return parts, values
 

@@ -99,8 +99,8 @@ def scale_of_normal(kind: str) -> float:
     An estimate of sigma is normalised by it, so that it is that of Gaussian scatter for
     every loss.
     """
-    found = losses(NODES, np.zeros(len(NODES), int), kind)
-    return float(np.sum(WEIGHTS * NODES * found.slope))
+    of_nodes = losses(NODES, np.zeros(len(NODES), int), kind)
+    return float(np.sum(WEIGHTS * NODES * of_nodes.slope))
 
 
 def true_curvature(u: np.ndarray, kind: str) -> np.ndarray:

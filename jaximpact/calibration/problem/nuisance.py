@@ -16,16 +16,10 @@ from ...io.toml import Key, check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS
 from .dataset import Measurements
 
-KEYS = ("by", "prior")
 EACH_TEST = "row"
 """Value of `by` for groups of one test each."""
 REACH = 5.0
 """Half range of the search in standard deviations of the prior."""
-MOST_GROUP_SD = 1.0
-"""Largest standard deviation of the logarithm of a group's factor: `REACH` times it
-bounds the logarithm."""
-EDGE = 1e-6
-"""Fraction of that range kept from the ends of the column's range."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,11 +54,7 @@ class Nuisance:
 
 
 def read_prior(key: Key, entry, mean: float | None = None) -> Prior:
-    """Read a prior like `{ mean = 30.0, sd = 5.0 }`.
-
-    Args:
-        mean: default of the mean; without it one must be given.
-    """
+    """Read a prior like `{ mean = 30.0, sd = 5.0 }`; the mean may have a default."""
     check_table(key, entry, ("mean", "sd"), "{ mean = 30.0, sd = 5.0 }")
     values: dict[str, Any] = {"mean": mean} | entry
     for name in ("mean", "sd"):
@@ -87,12 +77,8 @@ def read_nuisances(
 def open_nuisances(
     entries: Mapping[str, Mapping], tests: Measurements, soil: dict[str, float]
 ) -> tuple[Nuisance, ...]:
-    """Select the nuisance parameters of a fit that new tests leave open.
-
-    Args:
-        entries: `by`, `prior` and so on of each, and `added`: whether it was added to
-            a column of the fitted tests.
-        soil: values of fixed parameters.
+    """Select the nuisance parameters of a fit, as `entries_of` writes them, that new
+    tests leave open.
 
     Raises InputError for new tests without a column to which the fit has added.
     """
@@ -114,14 +100,8 @@ def open_nuisances(
 def pooled_nuisance(
     top: Key, name: str, by: str, sd: float, tests: Measurements
 ) -> Nuisance:
-    """Make the groups' deviations from a fitted parameter: logarithms of factors, with
-    a normal prior of mean 0.
-
-    Args:
-        name: the fitted parameter, which is positive.
-        by: column of text whose values are the groups, or "row".
-        sd: standard deviation of the prior.
-    """
+    """Make the groups' deviations from a fitted parameter: logarithms of factors, under
+    a normal prior of mean 0."""
     groups, group = _groups(top["parameters"][name], by, tests)
     reach = np.full(len(groups), REACH * sd)
     prior, base = Prior(0.0, sd), np.zeros(len(tests))
@@ -129,8 +109,8 @@ def pooled_nuisance(
 
 
 def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, dict]:
-    """Write nuisance parameters of fitted tests for fit.json, as `open_nuisances` takes
-    them."""
+    """Write nuisance parameters of fitted tests for fit.json: also whether each was
+    `added` to a column of the tests, and whether it is `pooled`."""
     return {
         n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
         | {"added": n.name in tests.inputs}
@@ -145,7 +125,7 @@ def _nuisance(top: Key, name: str, entry, tests: Measurements, soil) -> Nuisance
     if name not in columns:
         raise unknown(top["nuisance"], name, columns)
     like = '{ by = "campaign", prior = { mean = 30.0, sd = 5.0 } }'
-    check_table(key, entry, KEYS, like)
+    check_table(key, entry, ("by", "prior"), like)
     by = choice(key, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
     if "prior" not in entry:
         raise key["prior"].error("is missing, like { mean = 30.0, sd = 5.0 }")
@@ -156,7 +136,8 @@ def _nuisance(top: Key, name: str, entry, tests: Measurements, soil) -> Nuisance
     groups, group = _groups(key, by, tests)
     lower = np.full(len(groups), prior.mean - REACH * prior.sd)
     upper = np.full(len(groups), prior.mean + REACH * prior.sd)
-    room = EDGE * 2.0 * REACH * prior.sd
+    # The ends of the column's range are not in it, as 0 of a mass.
+    room = 1e-6 * 2.0 * REACH * prior.sd
     column = columns[name]
     np.maximum.at(lower, group, column.lower - base + room)
     np.minimum.at(upper, group, column.upper - base - room)

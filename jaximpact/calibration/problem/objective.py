@@ -17,21 +17,21 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from ..._jax_internals import namespace_of
 from ...accuracy import PRESETS, Accuracy
 from ...progress import tell
 from .config import Study, Variant
 from .forward_model import XLA, ForwardModel, bounds_of
-from .noise import losses
+from .noise import Losses, losses
 
 FAILED_COST = 5e5
 """Loss, with derivative zero, of a result that could not be computed: large, so that a
 fit keeps away, and finite, so that it does not spoil the sum."""
-SMALL_BESIDE = 1e-3
-"""Sigma over the measured value above which the errors of impacts at "balanced", 1e-6
-and 5e-4 of their derivatives, change a fit by less than 0.01 standard errors."""
-STEEPEST = 1e100
-"""Derivatives above, as where an outcome changes, are set to 0: their squares could
-overflow."""
+TINY = 1e-100
+"""Residuals below, of limits that are kept by far, have no ratio to their slope."""
+STEEP = 1e8
+"""Derivatives of residuals above, as just before a jump, are set to 0 for fits: a step
+that follows them is rounding."""
 AT_ONCE = 50_000
 """Impacts between two lines of progress: bounds time and memory."""
 
@@ -107,8 +107,9 @@ class Objective:
         errors are small beside every sigma."""
         study, balanced = self.study, PRESETS["balanced"]
         known = study.known
-        size = np.abs(study.measured[known])
-        close = np.any(self.sigma[known] < SMALL_BESIDE * size)
+        # Of wider sigmas the errors at "balanced", 1e-6 of the values and 5e-4 of the
+        # derivatives, change a fit by less than 0.01 standard errors.
+        close = np.any(self.sigma[known] < 1e-3 * np.abs(study.measured[known]))
         if close or self.accuracy.tolerance >= balanced.tolerance:
             return self
         return self.at(balanced)
@@ -171,80 +172,123 @@ class Objective:
         return self.evaluate(x, *self._predict(x, True))
 
     def values(self, x: np.ndarray) -> Points:
-        """Evaluate the objective without derivatives, which are set to 0, in a quarter
-        of the time."""
-        x = np.asarray(x, float)
-        return self.evaluate(x, *self._predict(x, False))
+        """Evaluate the objective in a quarter of the time, without the derivatives of
+        predictions, which are 0; those of the priors stay."""
+        x, at_once = np.asarray(x, float), max(1, AT_ONCE // len(self.study.measured))
+        parts = []
+        for first in range(0, max(len(x), 1), at_once):
+            if len(x) > at_once:
+                tell(f"{first} of {len(x)} draws")
+            part = x[first : first + at_once]
+            parts.append(self.evaluate(part, *self._predict(part, False)))
+        if len(parts) == 1:
+            return parts[0]
+        whole: dict[str, np.ndarray] = {
+            name: np.concatenate([getattr(part, name) for part in parts])
+            for name in Points._fields[:-1]
+        }
+        # The zeros of many draws would fill the memory.
+        shape = *whole["predicted"].shape, x.shape[1]
+        return Points(**whole, jacobian=np.broadcast_to(0.0, shape))
 
     def _predict(self, x: np.ndarray, derivatives: bool) -> tuple:
-        """Compute predictions, outcomes and the Jacobian of `Points`."""
+        """Compute predictions, outcomes and the Jacobian of `Points`, if wanted."""
         p, model = self.bounds.parameter(x), self.model
         predicted, outcomes, slopes = model.evaluate(
             p, self.accuracy, derivatives=derivatives
         )
+        if slopes is None:
+            return predicted, outcomes, None
+        # Squares of steeper ones, as where an outcome changes, could overflow.
+        finite = np.isfinite(predicted)[..., None] & (np.abs(slopes) < 1e100)
+        slopes, by_x = np.where(finite, slopes, 0.0), self.bounds.slope(x)
         jacobian = np.zeros((*predicted.shape, x.shape[1]))
-        if slopes is not None:
-            finite = np.isfinite(predicted)[..., None] & (np.abs(slopes) < STEEPEST)
-            slopes, by_x = np.where(finite, slopes, 0.0), self.bounds.slope(x)
-            lanes, tests = np.ogrid[: len(x), : predicted.shape[1]]
-            # Each test depends on one unknown of each column.
-            for column, unknown in enumerate(model.unknown[model.impact].T):
-                of_column = slopes[..., column] * by_x[:, unknown, None]
-                jacobian[lanes, tests, :, unknown] = of_column
+        lanes, tests = np.ogrid[: len(x), : predicted.shape[1]]
+        # Each test depends on one unknown of each column.
+        for column, unknown in enumerate(model.unknown[model.impact].T):
+            of_column = slopes[..., column] * by_x[:, unknown, None]
+            jacobian[lanes, tests, :, unknown] = of_column
         return predicted, outcomes, jacobian
 
     def cost(self, x: Array) -> Array:
         """Compute the objective function at one x, shape (unknowns,), as a function of
         JAX."""
-        study, p = self.study, self.bounds.parameter(x)
+        p = self.bounds.parameter(x)
         predicted = self.model.predict(jnp.asarray(p), self.accuracy)
-        computed, known = jnp.isfinite(predicted), study.known
-        apart = jnp.where(computed, predicted, 0.0) - np.where(
-            known, study.measured, 0.0
-        )
-        u = jnp.where(computed & known, apart / self.sigma, 0.0)
-        found = losses(u, study.censored, self.loss).value
-        weights = np.where(known, study.weights, 0.0)
-        cost = jnp.sum(jnp.where(computed, found, FAILED_COST) * weights)
-        return cost + 0.5 * jnp.sum(((p - self.prior_mean) / self.prior_sd) ** 2)
+        return self._cost(p, predicted, self._losses(predicted).value)
 
-    def values_by_parts(
-        self, x: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Compute costs, predictions and outcomes of `values`, some draws at a time."""
-        at_once = max(1, AT_ONCE // len(self.study.measured))
-        parts = []
-        for first in range(0, len(x), at_once):
-            tell(f"{first} of {len(x)} draws")
-            points = self.values(x[first : first + at_once])
-            parts.append((points.cost, points.predicted, points.outcomes))
-        cost, predicted, outcomes = map(np.concatenate, zip(*parts, strict=True))
-        return cost, predicted, outcomes
+    def _losses(self, predicted) -> Losses:
+        """Compute the losses of predictions, of NumPy or JAX, shape (..., tests,
+        targets); of 0 where one is missing or nothing is measured."""
+        xp, study = namespace_of(predicted), self.study
+        used = xp.isfinite(predicted) & study.known
+        # Derivatives by JAX must not meet NaN.
+        measured = np.where(study.known, study.measured, 0.0)
+        apart = xp.where(used, predicted, measured) - measured
+        censored = np.broadcast_to(study.censored, predicted.shape)
+        return losses(apart / self.sigma, censored, self.loss)
 
-    def evaluate(self, x, predicted, outcomes, jacobian) -> Points:
-        """Evaluate the objective of given predictions and their Jacobian.
+    def _cost(self, p, predicted, loss):
+        """Sum losses and priors at parameters p, shape (..., unknowns)."""
+        xp = namespace_of(predicted)
+        loss = xp.where(xp.isfinite(predicted), loss, FAILED_COST)
+        weights = np.where(self.study.known, self.study.weights, 0.0)
+        apart = (p - self.prior_mean) / self.prior_sd
+        cost = xp.sum(loss * weights, axis=(-2, -1))
+        return cost + 0.5 * xp.sum(apart**2, axis=-1)
 
-        Predictions that are missing cost `FAILED_COST` each.
-        """
-        study = self.study
-        known = study.known
-        computed = np.isfinite(predicted)
-        u = np.where(computed & known, (predicted - study.measured) / self.sigma, 0.0)
-        of = losses(u, np.broadcast_to(study.censored, u.shape), self.loss)
-        weights = np.where(known, study.weights, 0.0)
-        used = np.where(computed, weights, 0.0)
-        cost = np.sum(np.where(computed, of.value, FAILED_COST) * weights, axis=(1, 2))
-        rows = jacobian / self.sigma[..., None]
-        slope, curvature = used * of.slope, used * of.curvature
-        gradient = np.einsum("lrt,lrtp->lp", slope, rows)
-        hessian = np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
-        apart = (self.bounds.parameter(x) - self.prior_mean) / self.prior_sd
+    def evaluate(self, x, predicted, outcomes, jacobian=None) -> Points:
+        """Evaluate the objective of given predictions and of their Jacobian, if there
+        is one. Predictions that are missing cost `FAILED_COST` each."""
+        of, p = self._losses(predicted), self.bounds.parameter(x)
+        cost = self._cost(p, predicted, of.value)
         by_x = self.bounds.slope(x) / self.prior_sd
-        cost = cost + 0.5 * np.sum(apart**2, axis=1)
-        gradient = gradient + apart * by_x
-        places = np.arange(x.shape[1])
-        hessian[:, places, places] += by_x**2
+        gradient = (p - self.prior_mean) / self.prior_sd * by_x
+        hessian = by_x[..., None] ** 2 * np.eye(x.shape[1])
+        if jacobian is None:
+            zeros = np.broadcast_to(0.0, (*predicted.shape, x.shape[1]))
+            return Points(x, cost, gradient, hessian, predicted, outcomes, zeros)
+        used = np.isfinite(predicted) & self.study.known
+        weights = np.where(used, self.study.weights, 0.0)
+        rows = jacobian / self.sigma[..., None]
+        slope, curvature = weights * of.slope, weights * of.curvature
+        gradient += np.einsum("lrt,lrtp->lp", slope, rows)
+        hessian += np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
         return Points(x, cost, gradient, hessian, predicted, outcomes, jacobian)
+
+    def residuals(self, points: Points) -> tuple[np.ndarray, np.ndarray]:
+        r"""Compute residuals r of points of one lane, and their derivatives.
+
+        Half the sum of their squares is the cost: of a measurement
+        r = sign(u) sqrt(2 w rho), so that losses and limits are least squares too.
+        """
+        predicted, x = points.predicted[0], points.x[0]
+        computed, known = np.isfinite(predicted), self.study.known
+        of = self._losses(predicted)
+        weights = np.where(known, self.study.weights, 0.0)
+        size = np.sqrt(2.0 * weights * np.where(computed, of.value, FAILED_COST))
+        sign = np.where(of.slope < 0.0, -1.0, 1.0)
+        # At u = 0 both vanish; their ratio is the root of the curvature.
+        there = size > TINY
+        ratio = np.where(
+            there,
+            weights * np.abs(of.slope) / np.where(there, size, 1.0),
+            np.sqrt(weights * of.curvature),
+        )
+        ratio = np.where(computed & known, ratio, 0.0)
+        jacobian = points.jacobian[0] * (ratio / self.sigma)[..., None]
+        jacobian = np.where(np.abs(jacobian) > STEEP, 0.0, jacobian)
+        bounds = self.bounds
+        priors = (bounds.parameter(x) - self.prior_mean) / self.prior_sd
+        return (
+            np.concatenate([(sign * size).ravel(), priors]),
+            np.concatenate(
+                [
+                    jacobian.reshape(-1, len(x)),
+                    np.diag(bounds.slope(x) / self.prior_sd),
+                ]
+            ),
+        )
 
     def reevaluate(self, points: Points) -> Points:
         """Evaluate points again whose predictions were weighted with other sigmas."""
@@ -283,8 +327,8 @@ def _priors(study: Study) -> tuple[np.ndarray, np.ndarray]:
 def start_of(study: Study) -> np.ndarray:
     """Return the starting point x of a study."""
     means = [[n.prior.mean] * len(n.groups) for n in study.nuisances]
-    given = np.concatenate([[p.start for p in study.parameters], *means])
-    return bounds_of(study).coordinate(given)
+    start = np.concatenate([[p.start for p in study.parameters], *means])
+    return bounds_of(study).coordinate(start)
 
 
 def names_of(study: Study) -> list[str]:

@@ -20,21 +20,12 @@ from ...identity import clear_when_edited, heed_edits
 from .expressions import Tied
 
 SIZES = tuple(64 * 4**power for power in range(5))
-"""Numbers of impacts for which programs are compiled: each takes some 0.2 s."""
-XLA_SIZES = (64,)
-"""The same where XLA integrates: each takes half a minute."""
-QUICK = {"xla_backend_optimization_level": "0"}
-"""Options of XLA: around the machine code there is little to optimise, and compiling
-takes half the time."""
+"""Numbers of impacts for which programs are compiled: each takes some 0.2 s, and half a
+minute where XLA integrates, which has the first alone."""
 
 
 class Response(Protocol):
     """How the results of impacts follow from their tree: a scene, or more."""
-
-    @property
-    def targets(self) -> tuple[str, ...]:
-        """Names of the results."""
-        ...
 
     def places(self, tree: Any) -> dict[str, int]:
         """Find the leaf of each column that a tree has."""
@@ -149,9 +140,7 @@ class ImpactProgram:
             return self.results(own, leaves, times, accuracy)
 
         results, along, outcome = jax.linearize(of_own, own, has_aux=True)
-        columns = jnp.broadcast_to(
-            jnp.eye(own.shape[1])[:, None], (own.shape[1], *own.shape)
-        )
+        columns = jnp.eye(own.shape[1])[:, None] * jnp.ones_like(own)
         return results, outcome, jax.vmap(along, out_axes=2)(columns)
 
     def run(
@@ -159,16 +148,16 @@ class ImpactProgram:
     ) -> list[np.ndarray]:
         """Compute many impacts: results (impacts, results), codes of the outcomes
         (impacts,) and, if wanted, derivatives (impacts, results, columns)."""
-        sizes = XLA_SIZES if self.in_xla else SIZES
+        sizes = SIZES[:1] if self.in_xla else SIZES
         compiled = self._of(accuracy, derivatives)
         parts = []
         for first in range(0, len(rows.own), sizes[-1]):
             part = ImpactRows(*(values[first : first + sizes[-1]] for values in rows))
             count = len(part.own)
             size = next(size for size in sizes if size >= count)
-            found = compiled(*self._filled(part, size))
-            parts.append([np.asarray(values)[:count] for values in found])
-        return [np.concatenate(found) for found in zip(*parts, strict=True)]
+            arrays = compiled(*self._filled(part, size))
+            parts.append([np.asarray(values)[:count] for values in arrays])
+        return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
 
     def _filled(self, rows: ImpactRows, size: int) -> ImpactRows:
         """Append impacts without speed; in XLA, where these take long, others again."""
@@ -184,7 +173,6 @@ class ImpactProgram:
         return filled
 
     def _of(self, accuracy: Accuracy, derivatives: bool) -> Callable:
-        """Return the compiled function of many impacts."""
         # XLA takes so long to compile that one program serves both.
         derivatives |= self.in_xla
         key = accuracy, derivatives
@@ -194,7 +182,9 @@ class ImpactProgram:
             if self.in_xla:
                 self._compiled[key] = unfused_jit(of_all)
             else:
-                self._compiled[key] = jax.jit(of_all, compiler_options=QUICK)
+                # Around the machine code there is little to optimise.
+                options = {"xla_backend_optimization_level": "0"}
+                self._compiled[key] = jax.jit(of_all, compiler_options=options)
         return self._compiled[key]
 
 

@@ -103,7 +103,7 @@ def _of_targets(top: Key, content: dict, table: str) -> dict[str, float]:
 def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
     """Collect sigmas (tests, targets), and the mask of targets with given ones."""
     defaults = _of_targets(top, content, "default_sigma")
-    columns, given = [], []
+    columns, is_given = [], []
     for name in targets:
         measured = tests.measured[name]
         sigma = tests.sigmas.get(name, np.full(len(tests), np.nan))
@@ -124,8 +124,8 @@ def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
             )
         # Without a measurement any number serves, but not NaN.
         columns.append(np.where(np.isfinite(sigma), sigma, np.nanmedian(sigma)))
-        given.append(stated)
-    return np.stack(columns, axis=1), np.array(given)
+        is_given.append(stated)
+    return np.stack(columns, axis=1), np.array(is_given)
 
 
 def _proportional(top, content, targets, sigma_given) -> np.ndarray:

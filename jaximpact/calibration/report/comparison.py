@@ -157,7 +157,6 @@ def _score_table(compared: Compared) -> Table:
 
 
 def _group_table(compared: Compared, scores: GroupScores) -> Table:
-    """Write the scores of one way of leaving groups out."""
     ranking = compared.ranking(scores)
     rows = [
         (
@@ -184,7 +183,6 @@ def _difference(ranking: Ranking, place) -> str:
 
 
 def _fitted_table(compared: Compared) -> Table:
-    """Write the fitted parameters of every law."""
     rows = []
     for law in compared.laws:
         cells = [

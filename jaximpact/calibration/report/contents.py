@@ -19,22 +19,12 @@ from ..diagnostics.examination import (
     freedom_text,
     warnings_of,
 )
+from ..diagnostics.residuals import rms
 from ..diagnostics.results import StudyResult, VariantResult
-from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
-from .parameters import (
-    correlated_pairs,
-    nuisance_table,
-    parameter_table,
-    verdict,
-)
-
-MOST_ROWS = 12
-"""Number of tests listed of those left out: the worst predicted."""
-ONE_ROW = 1e-3
-"""Relative difference of costs within which starts share a row."""
+from .parameters import correlated_pairs, nuisance_table, parameter_table, verdict
 
 
 def summary(result: StudyResult, examined: list[Examination]) -> Document:
@@ -55,7 +45,7 @@ def summary(result: StudyResult, examined: list[Examination]) -> Document:
                 [
                     "Verdict",
                     *verdict(result, variant),
-                    f"{starts_in_words(variant)}; {variant.reason.words}.",
+                    f"{search_in_words(variant)}; {variant.reason.words}.",
                 ],
             ),
             warning_box(warnings_of(result, variant, diagnostics)),
@@ -117,48 +107,44 @@ def about_tests(study: Study) -> list[str]:
 def _about_sigma(study: Study) -> str:
     if np.all(study.sigma_given):
         return "Standard errors follow from the given sigmas."
-    names = list(itertools.compress(study.targets, ~study.sigma_given))
-    which = "" if len(names) == len(study.targets) else f" for {', '.join(names)}"
+    names = ", ".join(itertools.compress(study.targets, ~study.sigma_given))
+    which = f" for {names}" if np.any(study.sigma_given) else ""
     words = (
         f"No sigma is given{which}: it is estimated from the residuals, which are "
         "taken as random."
     )
-    proportional = list(itertools.compress(study.targets, study.proportional))
-    if proportional:
+    if proportional := ", ".join(itertools.compress(study.targets, study.proportional)):
         words += (
-            f" The sigma of {', '.join(proportional)} is the same fraction of the "
-            "value in all tests."
+            f" The sigma of {proportional} is the same fraction of the value in all "
+            "tests."
         )
     return words
 
 
 def _fixed_quantities(study: Study) -> str:
-    """Describe the fixed quantities that no table states."""
-    columns = study.tests.known_columns
     fitted = {p.name for p in study.parameters} | {n.name for n in study.nuisances}
     defaults = {
         name: column
-        for name, column in columns.items()
+        for name, column in study.tests.known_columns.items()
         if name not in study.tests.inputs and name not in fitted
     }
-    missing = {n: c.default for n, c in defaults.items() if c.part != "soil"}
     of_laws = {n: c.default for n, c in defaults.items() if c.part == "soil"}
-    values = study.soil | {n: v for n, v in of_laws.items() if n not in study.soil}
+    soil = study.soil | {n: v for n, v in of_laws.items() if n not in study.soil}
     laws = unusual(study.parts)
     shape = laws.pop("shape", None)
     other = [in_words(laws)] if laws else []
     other += [
         f"{name} {value:g}"
-        for name, value in values.items()
+        for name, value in soil.items()
         if name not in INPUT_COLUMNS
         or not np.isclose(value, INPUT_COLUMNS[name].default, rtol=1e-12)
     ]
     words = f"Ground: Table 1{' but for ' + ', '.join(other) if other else ''}."
     if shape is not None:
         words = f"Shape: {type(shape).__name__}. {words}"
+    missing = [f"{n} {c.default:g}" for n, c in defaults.items() if c.part != "soil"]
     if missing:
-        stated = ", ".join(f"{name} {value:g}" for name, value in missing.items())
-        words = f"Not in the table, default values: {stated}. {words}"
+        words = f"Not in the table, default values: {', '.join(missing)}. {words}"
     return words
 
 
@@ -187,7 +173,7 @@ def variant_table(result: StudyResult) -> Table:
 def target_table(
     result: StudyResult, variant: VariantResult, left: LeftOut | None = None
 ) -> Table:
-    """Write the errors of each target, with those of tests left out if given."""
+    """Write the errors of each target, with those of tests left out if there are."""
     study = result.study
     limits = bool(np.any(study.known & (study.censored != 0)))
     relative = relative_sigma(study, variant.sigma, variant.predicted)
@@ -203,19 +189,15 @@ def target_table(
             size = f"{100 * relative[target]:.3g} % of the value"
         row: dict[str, object] = {"target": name, "rms": values["rms"]}
         if left is not None:
-            row["rms left out"] = _rms_left_out(study, left, target)
+            apart = left.predicted[:, target] - study.measured[:, target]
+            exact = (study.censored[:, target] == 0) & np.isfinite(apart)
+            row["rms left out"] = rms(apart[exact])
         row |= {key: values[key] for key in ("max", "bias")}
         row["sigma"] = f"{size} ({origin})"
         if limits:
             row["limits violated"] = values["limits_broken"]
         rows.append(row)
     return Table(tuple(rows[0]), [tuple(row.values()) for row in rows])
-
-
-def _rms_left_out(study: Study, left: LeftOut, target: int) -> float | None:
-    apart = (left.predicted - study.measured)[:, target]
-    apart = apart[(study.censored[:, target] == 0) & np.isfinite(apart)]
-    return float(np.sqrt(np.mean(apart**2))) if len(apart) else None
 
 
 def statistics(result: StudyResult, variant: VariantResult) -> str:
@@ -239,11 +221,11 @@ def left_out_table(study: Study, left: LeftOut, what: str) -> Table | None:
     if not np.any(np.isfinite(left.predicted[exact])):
         return None
     values = np.where(exact, left.standardised(study.measured), np.nan)
-    return (_worst if what == "test" else _campaigns)(study, left, values)
+    return _worst(study, left, values) if what == "test" else _campaigns(left, values)
 
 
 def _worst(study: Study, left: LeftOut, values: np.ndarray) -> Table:
-    order = np.argsort(-np.abs(np.nan_to_num(values)), axis=None)[:MOST_ROWS]
+    order = np.argsort(-np.abs(np.nan_to_num(values)), axis=None)[:12]
     rows = [
         (
             study.tests.name(int(test)),
@@ -260,7 +242,7 @@ def _worst(study: Study, left: LeftOut, values: np.ndarray) -> Table:
     return Table(columns, rows)
 
 
-def _campaigns(study: Study, left: LeftOut, values: np.ndarray) -> Table:
+def _campaigns(left: LeftOut, values: np.ndarray) -> Table:
     rows = []
     for number, name in enumerate(left.groups):
         of_one = values[left.group == number]
@@ -273,38 +255,26 @@ def _campaigns(study: Study, left: LeftOut, values: np.ndarray) -> Table:
     return Table(("campaign", "measurements", "in the band", "mean", "rms"), rows)
 
 
-def starts_in_words(variant: VariantResult) -> str:
-    """Say how many starts found the best fit."""
-    reached, total = int(np.sum(variant.reached)), len(variant.start_costs)
-    together = int(np.sum((variant.start_restarts > 0) & variant.reached))
-    also = f"; {together} of them by a common search, since their own fits ended above"
-    return f"{reached} of {total} starts found the best fit{also if together else ''}"
+def search_in_words(variant: VariantResult) -> str:
+    """Say how far the members of the search agreed."""
+    if not variant.members:
+        return "fitted from the start alone"
+    return f"{variant.agreed} of {variant.members} members of the search agree"
 
 
-def start_table(variant: VariantResult) -> Table:
-    """Write the starts, those of one cost and one reason in a row."""
-    costs, reasons = variant.start_costs, variant.start_reasons
-    names = [of_one.name for of_one in variant.verdicts]
-    joined = np.array([reason is Reason.joined for reason in reasons])
-    groups: list[list[int]] = []
-    for start in np.lexsort((joined, costs)):
-        last = groups[-1][0] if groups else start
-        alike = reasons[start] in (Reason.joined, reasons[last])
-        if groups and alike and costs[start] <= costs[last] * (1.0 + ONE_ROW) + 1e-9:
-            groups[-1].append(start)
-        else:
-            groups.append([start])
+def end_table(variant: VariantResult) -> Table:
+    """Write the fits from the best places of the search, the lowest first."""
+    names = [verdict.name for verdict in variant.verdicts]
     rows = [
         (
-            f"{len(group)}{' (with the given)' if 0 in group else ''}",
-            f"{costs[group[0]]:.6g}",
-            *variant.end_parameters[group[0], : len(names)],
-            float(np.mean(variant.start_steps[group])),
-            reasons[group[0]].words,
+            f"{variant.end_costs[end]:.6g}",
+            *variant.end_parameters[end, : len(names)],
+            int(variant.end_steps[end]),
+            variant.end_reasons[end].words,
         )
-        for group in groups
+        for end in np.argsort(variant.end_costs, kind="stable")
     ]
-    return Table(("starts", "cost", *names, "steps", "stopped"), rows)
+    return Table(("cost", *names, "steps", "stopped"), rows)
 
 
 def origin_table(result: StudyResult) -> Table:

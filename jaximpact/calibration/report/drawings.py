@@ -23,7 +23,7 @@ from ..comparison.comparison import Compared
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.further_tests import Suggestions
 from ..diagnostics.identifiability import LikelihoodProfile
-from ..diagnostics.posterior import Draws
+from ..diagnostics.posterior import Draws, root_of
 from ..diagnostics.predictive import Bands
 from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
@@ -32,26 +32,13 @@ from ..problem.config import Study
 
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: two stand side by side on a page."""
-MOST_PAIRS = 3
-BAND, WIDE_BAND = 0.35, 0.2
-"""Opacities."""
-MOST_RATIO = 9.0
-"""Likelihood ratio up to which a profile is drawn, at least."""
-MOST_NAMED = 12
-"""Number of tests above which they are numbered, not named."""
-DRAWN = 400
-"""Number of draws shown of the posterior."""
-LEAST_COST = 1e-12
-DECADE = 10.0
-ELLIPSE = 2.448
-"""Radius that holds 95 % of a normal distribution of two variables."""
 
 
 def most_correlated(variant: VariantResult) -> list[tuple[int, int]]:
     """Choose the pairs of parameters that are drawn, the most correlated first."""
     correlation = np.abs(variant.uncertainty.correlation)
     pairs = itertools.combinations(range(len(variant.verdicts)), 2)
-    return sorted(pairs, key=lambda pair: -correlation[pair])[:MOST_PAIRS]
+    return sorted(pairs, key=lambda pair: -correlation[pair])[:3]
 
 
 def _panel() -> tuple[Figure, Axes]:
@@ -61,11 +48,7 @@ def _panel() -> tuple[Figure, Axes]:
 
 
 def label_of(name: str, inputs: dict[str, InputColumn] | None = None) -> str:
-    """Write a quantity with its unit, for an axis.
-
-    Args:
-        inputs: columns of the scene, where the quantity may be one of them.
-    """
+    """Write a quantity, a target or one of the inputs, with its unit, for an axis."""
     column = (inputs or {}).get(name) or TARGET_COLUMNS.get(name)
     if column is None or column.unit == "-":
         return plain(name)
@@ -114,11 +97,8 @@ def _fitted(
     bands: Bands | None = None,
 ) -> None:
     """Draw fitted and measured values over the only quantity in which the tests differ;
-    where there is none, fitted over measured, hollow where only a limit is known.
-
-    Args:
-        bands: of the first variant.
-    """
+    where there is none, fitted over measured, hollow where only a limit is known. Bands
+    are those of the first variant."""
     study, along = result.study, only_varying(result)
     measured, censored = study.measured[:, target], study.censored[:, target]
     known = study.known[:, target]
@@ -130,8 +110,8 @@ def _fitted(
         drawn = drawn[np.argsort(x[drawn], kind="stable")]
         measurement = bands.measured_low, bands.measured_high
         for (low, high), opacity, width, label in (
-            (measurement, WIDE_BAND, 1.2, "measurement, 95 %"),
-            ((bands.low, bands.high), BAND, 4.0, "model, 95 %"),
+            (measurement, 0.2, 1.2, "measurement, 95 %"),
+            ((bands.low, bands.high), 0.35, 4.0, "model, 95 %"),
         ):
             ends = x[drawn], low[drawn, target], high[drawn, target]
             style: dict[str, Any] = dict(color=BLUE, alpha=opacity, label=label)
@@ -233,7 +213,8 @@ def draw_profile(variant: VariantResult, profile: LikelihoodProfile) -> Figure:
     index = variant.names.index(profile.name)
     uncertainty = variant.uncertainty
     bounds = Bounds(*(part[index] for part in variant.bounds))
-    most = max(MOST_RATIO, 1.5 * uncertainty.quantile**2)
+    # Three standard deviations, or beyond the 95 % interval.
+    most = max(9.0, 1.5 * uncertainty.quantile**2)
     low, high = _shown(profile, most)
     # The signed root is nearly straight, so that its interpolation is smooth.
     along = bounds.coordinate(profile.values)
@@ -277,7 +258,7 @@ def _shown(profile: LikelihoodProfile, most: float) -> tuple[float, float]:
 
 def _scale(axes: Axes, which: str, low: float, high: float, logarithmic: bool) -> None:
     """Use a logarithmic axis for more than a decade."""
-    if logarithmic and high > DECADE * low:
+    if logarithmic and high > 10.0 * low:
         log_scale(axes, which)
 
 
@@ -288,17 +269,16 @@ def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> 
     figure, axes = _panel()
     bounds, pair = variant.bounds, [first, second]
     random = np.random.default_rng(0)
-    chosen = random.choice(len(draws.x), DRAWN, p=draws.weights)
+    chosen = random.choice(len(draws.x), 400, p=draws.weights)
     values = bounds.parameter(draws.x[chosen])[:, pair]
     axes.plot(*values.T, "o", color=BLUE, markersize=3, alpha=0.3, mec="none")
     covariance = variant.uncertainty.covariance[np.ix_(pair, pair)]
     if variant.verdicts[first].determined and variant.verdicts[second].determined:
         turn = np.linspace(0.0, 2.0 * np.pi, 200)
-        circle = ELLIPSE * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        squares, vectors = np.linalg.eigh(covariance)
-        root = vectors * np.sqrt(np.maximum(squares, 0.0))
+        # The radius that holds 95 % of a normal distribution of two variables.
+        circle = 2.448 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         at = np.tile(variant.points.x[0], (len(turn), 1))
-        at[:, pair] += circle @ root.T
+        at[:, pair] += circle @ root_of(covariance).T
         at = np.clip(at, bounds.low, bounds.high)
         axes.plot(*bounds.parameter(at)[:, pair].T, color=VERMILION, linewidth=1)
     axes.plot(*variant.parameters[pair], "x", color="black")
@@ -319,7 +299,7 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
     number = np.arange(1, len(values) + 1)
     along = np.broadcast_to(number[:, None], values.shape)
     figure, axes = _about_zero(study, along, values, left.quantile)
-    if len(number) <= MOST_NAMED:
+    if len(number) <= 12:
         names = [plain(study.tests.name(test)) for test in range(len(number))]
         axes.set_xticks(number, names, rotation=45, ha="right")
     else:
@@ -345,28 +325,6 @@ def draw_candidates(suggestions: Suggestions) -> Figure:
     axes.set_ylabel("factor by which the\nmean error shrinks [-]")
     if others:
         legend_outside(figure, title=label_of(others[0], suggestions.columns))
-    return figure
-
-
-@in_style
-def draw_waterfall(variant: VariantResult) -> Figure:
-    """Draw the costs of the starts in order, hollow those not at the best fit."""
-    figure, axes = _panel()
-    order = np.argsort(variant.start_costs, kind="stable")
-    costs = np.maximum(variant.start_costs[order], LEAST_COST)
-    rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
-    style: dict[str, Any] = dict(color=BLUE, marker="o", ls="none", markersize=4)
-    axes.plot(rank, costs, color=BLUE, linewidth=0.8)
-    axes.plot(rank[reached], costs[reached], label="found the best fit", **style)
-    if not np.all(reached):
-        style |= dict(mfc="white", label="elsewhere or stuck")
-        axes.plot(rank[~reached], costs[~reached], **style)
-    log_scale(axes, "y")
-    # Equal costs would leave the axis without an extent.
-    axes.set_ylim(costs[0] / 1.2, 1.2 * costs[-1])
-    axes.set_xlabel("start, best first")
-    axes.set_ylabel("cost at the end [-]")
-    axes.legend()
     return figure
 
 

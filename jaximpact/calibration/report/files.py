@@ -41,8 +41,8 @@ SUGGESTED = (
 """What fit.json has of suggested tests: all but the many candidates."""
 OF_VARIANT = (
     *("cost", "failed", "uncertainty", "errors_of_draws", "directions", "profiles"),
-    *("start_parameters", "end_parameters", "start_costs", "start_reasons"),
-    *("start_steps", "start_restarts"),
+    *("end_parameters", "end_costs", "end_reasons", "end_steps"),
+    *("members", "agreed", "found_later"),
 )
 """What fit.json has of a variant as it is."""
 SETTINGS = ("soil", "block", "targets", "loss", "starts", "seed", "method")
@@ -53,18 +53,13 @@ def study_directory(
     study: Study, out: Path, *, posterior: bool, compared: bool
 ) -> contextlib.AbstractContextManager[NewFile]:
     """Open the directory of a study's files; see `output_directory`."""
-    names, count = [*FILES], len(study.variants)
-    names += [COMPARISON] if compared else []
-    if posterior:
-        names += [_posterior_name(number, count) for number in range(1, count + 1)]
+    names = [*FILES, *([COMPARISON] if compared else [])]
+    names += _posterior_names(study) if posterior else []
     return output_directory(out, "calibrate", names, inputs=study.inputs)
 
 
 def write_all(
-    result: StudyResult,
-    examined: list[Examination],
-    new: NewFile,
-    others: OtherLaws,
+    result: StudyResult, examined: list[Examination], new: NewFile, others: OtherLaws
 ) -> None:
     """Write the files, all of them or none; OSError where the file system refuses."""
     # Matplotlib takes half a second to import, which workers need not.
@@ -77,18 +72,19 @@ def write_all(
         write_text(add("fitted.csv"), fitted_table(result, examined).csv())
         if others.compared is not None:
             write_text(add(COMPARISON), comparison_csv(others.compared))
-        for number, (variant, diagnostics) in enumerate(
-            zip(result.variants, examined, strict=True), 1
-        ):
+        names = _posterior_names(result.study)
+        each = zip(names, result.variants, examined, strict=True)
+        for name, variant, diagnostics in each:
             if diagnostics.samples is not None:
                 sampled = to_inference_data(variant, diagnostics.samples)
-                name = _posterior_name(number, len(examined))
                 with replacing(add(name)) as temporary:
                     sampled.to_netcdf(str(temporary))
 
 
-def _posterior_name(number: int, variants: int) -> str:
-    return f"posterior-{number}.nc" if variants > 1 else "posterior.nc"
+def _posterior_names(study: Study) -> list[str]:
+    count = len(study.variants)
+    numbered = [f"posterior-{number}.nc" for number in range(1, count + 1)]
+    return numbered if count > 1 else ["posterior.nc"]
 
 
 def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
@@ -101,15 +97,14 @@ def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
     """
     study, rows = result.study, []
     for variant, diagnostics in zip(result.variants, examined, strict=True):
-        nothing = np.full(study.measured.shape, np.nan)
         left, bands = diagnostics.each, diagnostics.bands
-        columns = (
+        columns = [
             *(study.measured, variant.sigma, variant.predicted),
             *(variant.predicted - study.measured, diagnostics.residuals.values),
             *(bands.low, bands.high, bands.measured_low, bands.measured_high),
-            nothing if left is None else left.predicted,
-            nothing if left is None else left.deviation,
-        )
+        ]
+        nothing = [np.full(study.measured.shape, np.nan)] * 2
+        columns += nothing if left is None else [left.predicted, left.deviation]
         rows += [
             (
                 *(variant.variant.name, row + 1),
@@ -175,11 +170,9 @@ def _manifest(result: StudyResult) -> dict:
 
 
 def _fitted_tests(study: Study) -> dict:
-    """Collect the ranges of the tests' inputs, and statistics of their results."""
-    measured = np.where(study.censored == 0, study.measured, np.nan)
     results = {}
     for target, name in enumerate(study.targets):
-        exact = measured[np.isfinite(measured[:, target]), target]
+        exact = study.measured[study.exact[:, target], target]
         results[name] = {
             "count": len(exact),
             "mean": np.mean(exact) if len(exact) else None,
@@ -248,10 +241,8 @@ def _targets(result: StudyResult, variant: VariantResult) -> dict:
 
 def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
     samples = diagnostics.samples
-    suggested = {
-        "one_result_each": diagnostics.single,
-        "all_results": diagnostics.together,
-    }
+    further = {"one_result_each": diagnostics.single}
+    further["all_results"] = diagnostics.together
     return {
         "trends": diagnostics.residuals.trends,
         "draws": _draws(variant, diagnostics.posterior),
@@ -259,7 +250,7 @@ def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
         "left_out": {"test": diagnostics.each, "campaign": diagnostics.campaigns},
         "further_tests": {
             what: {name: getattr(suggestions, name) for name in SUGGESTED}
-            for what, suggestions in suggested.items()
+            for what, suggestions in further.items()
         },
     }
 
@@ -279,7 +270,6 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
 
 
 def _samples(variant: VariantResult, samples: Draws) -> dict:
-    """Collect mean, standard deviation, interval and diagnostics of the unknowns."""
     chains, values = samples.chains, variant.bounds.parameter(samples.x)
     assert chains is not None
     return {

@@ -14,12 +14,8 @@ from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.uncertainty import USELESS_ERROR
 
-AGREE = 1.01
-"""R-hat up to which chains agree (Vehtari et al. 2021)."""
 NEARLY_NORMAL = 0.7
 """Effective sample size, as a fraction, above which the posterior is nearly normal."""
-LEAST_CORRELATION = 0.1
-"""Correlations below are left out of the summary."""
 
 
 def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
@@ -61,12 +57,8 @@ def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
 
 
 def parameter_table(variant: VariantResult, short: bool = False) -> Table:
-    """Write the parameters with standard errors and intervals.
-
-    Args:
-        short: whether to leave out profiles and to join the bounds, a reached one
-            marked.
-    """
+    """Write the parameters with standard errors and intervals; `short` without the 68 %
+    profile-likelihood intervals."""
     columns, rows = columns_of(variant.objective.scene), []
     reached = variant.bounds.bound_reached(
         variant.bounds.coordinate(variant.parameters)
@@ -125,11 +117,7 @@ def correlated_pairs(variant: VariantResult) -> Table:
         for a, b in itertools.combinations(range(len(names)), 2)
     ]
     pairs.sort(key=lambda pair: -abs(pair[1]))
-    rows = [
-        (pair, f"{value:+.3f}")
-        for pair, value in pairs
-        if abs(value) >= LEAST_CORRELATION
-    ]
+    rows = [(pair, f"{value:+.3f}") for pair, value in pairs if abs(value) >= 0.1]
     return Table(("parameters", "correlation"), rows)
 
 
@@ -207,8 +195,8 @@ def about_posterior(variant: VariantResult, diagnostics: Examination) -> list[Pa
             f" {divergent} draws diverged, as at a change of outcome: the posterior "
             "beyond may be missed."
         )
-    if np.max(chains.scale_reduction) > AGREE:
-        words += f" The chains do not agree (R-hat above {AGREE}): sample more."
+    if np.max(chains.scale_reduction) > 1.01:  # Vehtari et al. 2021
+        words += " The chains do not agree (R-hat above 1.01): sample more."
     columns = ("parameter", "mean", "median", "95 %", "R-hat", "effective sample size")
     return [
         Table(columns, rows),

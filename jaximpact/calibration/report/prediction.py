@@ -13,17 +13,15 @@ from ...reports.json_tree import json_text, plain
 from ...reports.tables import Table, listed
 from ..comparison.fitted_law import LawPrediction
 from ..diagnostics.cross_validation import too_few
-from ..diagnostics.predictive import CONFIDENCES, predictive
+from ..diagnostics.predictive import predictive
+from ..diagnostics.residuals import rms
+from ..diagnostics.uncertainty import CONFIDENCE
 from ..fitted_ground import FittedVariant
 from ..prediction import Outside, PredictedTests, Scores, VariantPrediction, score
 from ..problem.dataset import LIMITS
 
-MOST_TESTS = 30
-"""Number of tests up to which they are listed one by one."""
 MOST_NAMES = 6
 """Number of tests that are named in a sentence."""
-FAR_ENOUGH = 0.5
-"""Fraction of the 95 % profile-likelihood interval that draws must cover."""
 CSV_COLUMNS = (
     *("variant", "row", "test", "outcome", "outcome_share", "target", "limit"),
     *("measured", "best_fit", "predicted", "low_50", "high_50", "low_95", "high_95"),
@@ -34,7 +32,7 @@ CSV_COLUMNS = (
 
 def prediction_report(prediction: PredictedTests) -> Document:
     """Report scores, remarks, and the tests one by one where they are few."""
-    few, several = len(prediction.tests) <= MOST_TESTS, len(prediction.variants) > 1
+    few, several = len(prediction.tests) <= 30, len(prediction.variants) > 1
     parts: list[Part] = [
         f"{prediction.tests.described}, predicted by the fit of "
         f"{prediction.ground.title!r}.",
@@ -91,7 +89,7 @@ def remarks_on(
     inside = sum(one.inside_95 for one in scores.values())
     if count:
         words = f"{inside} of {count} measurements lie within their 95 % intervals"
-        few = too_few(inside, count, CONFIDENCES[1])
+        few = too_few(inside, count, CONFIDENCE)
         lines.append(words + (", fewer than chance allows." if few else "."))
     for name, one in scores.items():
         if one.limits:
@@ -155,7 +153,7 @@ def _about_undetermined(
     least = parameter.lower if ends[0] is None else ends[0]
     most = parameter.upper if ends[1] is None else ends[1]
     scale = np.log if parameter.logarithmic else np.asarray
-    if scale(high) - scale(low) < FAR_ENOUGH * (scale(most) - scale(least)):
+    if scale(high) - scale(low) < 0.5 * (scale(most) - scale(least)):
         lines.append(
             f"Its 95 % profile-likelihood interval is {least:.3g} to {most:.3g}: the "
             "draws do not cover it, and the intervals are too narrow."
@@ -217,16 +215,16 @@ def simple_scores(
         exact = prediction.censored[:, target] == 0
         exact &= np.isfinite(prediction.measured[:, target])
         tests = np.flatnonzero(exact & np.isfinite(law.best[:, place]))
-        if not len(tests):
-            continue
         measured = prediction.measured[tests, target]
-        apart = law.best[tests, place] - measured
-        scores = []
-        for test, value in zip(tests, measured, strict=True):
-            distribution = law.distribution(int(test), place)
-            assert distribution is not None  # its best value is finite
-            scores.append(distribution.crps(float(value)))
-        of_targets[name] = float(np.sqrt(np.mean(apart**2))), float(np.mean(scores))
+        distributions = (law.distribution(int(test), place) for test in tests)
+        scores = [
+            distribution.crps(float(value))
+            for distribution, value in zip(distributions, measured, strict=True)
+            if distribution is not None
+        ]
+        error = rms(law.best[tests, place] - measured)
+        if error is not None:
+            of_targets[name] = error, float(np.mean(scores))
     return of_targets
 
 
@@ -346,10 +344,7 @@ def as_json(prediction: PredictedTests) -> dict:
             for law in prediction.simple
         },
         "outside": {
-            one.column: {
-                "fitted": [one.low, one.high],
-                "rows": one.tests + 1,
-            }
+            one.column: {"fitted": [one.low, one.high], "rows": one.tests + 1}
             for one in prediction.outside
         },
         "shapes_not_fitted": prediction.new_shapes,
@@ -376,9 +371,6 @@ def write_prediction(prediction: PredictedTests, path: Path) -> None:
     """
     outputs = [("the predictions", path), ("their manifest", manifest_path(path))]
     refuse_inputs(outputs, prediction.inputs)
-    with (
-        replacing(manifest_path(path)) as beside,
-        replacing(path) as temporary,
-    ):
+    with replacing(manifest_path(path)) as beside, replacing(path) as temporary:
         put_text(beside, json_text(as_json(prediction)))
         put_text(temporary, prediction_table(prediction).csv())

@@ -130,13 +130,11 @@ def _sections(
             ],
         )
     yield "Further tests", _further(diagnostics)
-    costs = Picture(
-        partial(drawings.draw_waterfall, variant),
-        "Costs of the starts",
-        "Cost at the end of the fit from each start.",
+    words = (
+        f"{contents.search_in_words(variant)}. Fits from the best places, at any of "
+        "which the tests might be explained:"
     )
-    starts = f"{contents.starts_in_words(variant)}."
-    yield "Starts", [starts, contents.start_table(variant), costs]
+    yield "Search", [words[0].upper() + words[1:], contents.end_table(variant)]
 
 
 def _parameters(

@@ -69,11 +69,11 @@ def _calibrate_into(directory: Path, fit: SlopeFit) -> SlopeCalibration:
         folder = directory / UNFINISHED
         make_directory(folder, option="the directory")
         store = Store(folder)
-        found = _calibrate(fit, store)
+        calibration = _calibrate(fit, store)
         with together(new) as add:
-            write_report(found, add)
+            write_report(calibration, add)
         store.clear()
-    return found
+    return calibration
 
 
 def _calibrate(fit: SlopeFit, store: Store | None = None) -> SlopeCalibration:

@@ -30,16 +30,11 @@ from ..trajectory import Ending, stretches_of
 from .observed import (
     PASSAGE_COLUMNS,
     PER_PLACE,
-    STOP_COLUMN,
     Observations,
     ObservedCount,
-    ObservedPassages,
-    ObservedStops,
+    ObservedValues,
 )
 from .problem import CONTACTS, SlopeFit
-
-CHUNK = 4096
-"""Number of blocks that are simulated, and kept, at once."""
 
 
 def simulate_data_sets(
@@ -56,7 +51,7 @@ def simulate_data_sets(
         u: candidates, as probabilities under the priors, `(data sets, parameters)`.
         blocks: blocks released in each.
         stream: number that tells apart the random numbers of several calls.
-        store: keeps chunks that are done.
+        store: keeps portions that are done.
         what: name of the data sets in progress.
 
     Returns:
@@ -65,47 +60,44 @@ def simulate_data_sets(
         the lowest point [m] at the first passage; 1 for a block that failed, else 0.
         NaN for a block that does not stop, or does not come there.
     """
-    size = max(1, CHUNK // blocks)
+    size = max(1, 4096 // blocks)  # as many blocks as keep the cores busy
     parts = [u[start : start + size] for start in range(0, len(u), size)]
     keys = [_key(fit, part, blocks, stream, i) for i, part in enumerate(parts)]
-    found = [_stored(store, key) for key in keys]
-    missing = [i for i, outcomes in enumerate(found) if outcomes is None]
+    outcomes: dict[int, np.ndarray] = {}
+    for i, key in enumerate(keys):
+        stored = None if store is None else store.get("dataset", key)
+        if stored is not None:
+            outcomes[i] = np.load(io.BytesIO(stored))
+    missing = [i for i in range(len(parts)) if i not in outcomes]
     work = ((fit, parts[i], blocks, _seed(fit, stream, i)) for i in missing)
 
-    def take(place: int, outcomes: np.ndarray) -> None:
+    def tell_progress() -> None:
+        tell(what, sum(map(len, outcomes.values())), len(u))
+
+    def take(place: int, part: np.ndarray) -> None:
         i = missing[place]
-        found[i] = outcomes
+        outcomes[i] = part
         if store is not None:
             buffer = io.BytesIO()
-            np.save(buffer, outcomes)
+            np.save(buffer, part)
             store.put("dataset", keys[i], buffer.getvalue())
-        tell(what, _count(found), len(u))
+        tell_progress()
 
-    tell(what, _count(found), len(u))
+    tell_progress()
     call_each(_simulate, work, take)
-    return np.concatenate([outcomes for outcomes in found if outcomes is not None])
-
-
-def _stored(store: Store | None, key: str) -> np.ndarray | None:
-    stored = None if store is None else store.get("dataset", key)
-    return None if stored is None else np.load(io.BytesIO(stored))
-
-
-def _count(found: list[np.ndarray | None]) -> int:
-    """Count the data sets that are there."""
-    return sum(len(outcomes) for outcomes in found if outcomes is not None)
+    return np.concatenate([outcomes[i] for i in range(len(parts))])
 
 
 def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarray:
     values = np.repeat(fit.values(u), blocks, axis=0)
-    given, of_law = {}, {}
-    for parameter, own in zip(fit.parameters, values.T, strict=True):
+    fixed, of_law = {}, {}
+    for parameter, samples in zip(fit.parameters, values.T, strict=True):
         if parameter.key.startswith(CONTACTS):
             column = parameter.column
-            of_law[column.field] = column.factor * own
+            of_law[column.field] = column.factor * samples
         else:
-            given[parameter.key] = own
-    _, release, ground = fit.slope.sample(len(values), seed, given)
+            fixed[parameter.key] = samples
+    _, release, ground = fit.slope.sample(len(values), seed, fixed)
     profile = fit.slope.layout.profile
     contacts: Any = fit.slope.laws[0].contacts
     if of_law:
@@ -157,13 +149,9 @@ def observed_summary(observed: Observations) -> np.ndarray:
     parts = []
     for channel in observed.fitted:
         if isinstance(channel, ObservedCount):
-            counts = np.array([channel.passed])
-            parts.append(_logit_of_share(counts, channel.blocks)[:, None])
+            parts.append(_logit_of_share(np.array([channel.passed]), channel.blocks))
         else:
-            values = channel.values[None]
-            if not isinstance(channel, ObservedStops):
-                values = np.log(values)
-            parts.append(_statistics(values, channel.blocks))
+            parts.append(_statistics(channel, channel.values[None]))
     return np.concatenate(parts, axis=1)[0]
 
 
@@ -173,42 +161,35 @@ def simulated_summaries(
     """Compute the summary statistics of simulated data sets, `(data sets, statistics)`.
 
     Each channel is of the first blocks that have a value, as many as were observed,
-    with errors of measurement; NaN where a data set has none.
+    with errors of measurement, of a seed; NaN where a data set has none.
 
     Args:
-        outcomes: result of `simulate_data_sets`.
-        places: places of its passages [m].
-        seed: of the errors of measurement.
+        outcomes: result of `simulate_data_sets`, with passages at some places [m].
     """
     rng, parts = np.random.default_rng(seed), []
     for channel in observed.fitted:
         if isinstance(channel, ObservedCount):
-            of = outcomes[:, : channel.blocks]
-            speed = of[..., column_of(places, channel.place, PASSAGE_COLUMNS[0])]
-            passed = np.sum(np.isfinite(speed), axis=1)
-            parts.append(_logit_of_share(passed, channel.blocks)[:, None])
-            continue
-        values = measured(observed, channel, outcomes, places, rng)
-        if not isinstance(channel, ObservedStops):
-            # Errors can be larger than a small value: what is measured is above 0.
-            values = np.log(np.maximum(values, 1e-3))
-        parts.append(_statistics(values, channel.blocks))
+            released = outcomes[:, : channel.blocks]
+            column = column_of(places, channel.place, PASSAGE_COLUMNS[0])
+            passed = np.sum(np.isfinite(released[..., column]), axis=1)
+            parts.append(_logit_of_share(passed, channel.blocks))
+        else:
+            values = measured(observed, channel, outcomes, places, rng)
+            parts.append(_statistics(channel, values))
     return np.concatenate(parts, axis=1)
 
 
 def measured(
     observed: Observations,
-    channel: ObservedStops | ObservedPassages,
+    channel: ObservedValues,
     outcomes: np.ndarray,
     places: list[float],
     rng: np.random.Generator,
 ) -> np.ndarray:
     """Give the values of a channel in simulated data sets with errors of measurement,
     `(data sets, blocks)`; see `simulated_summaries`."""
-    name, column = STOP_COLUMN, 0
-    if isinstance(channel, ObservedPassages):
-        name = channel.quantity
-        column = column_of(places, channel.place, name)
+    name, place = channel.quantity, channel.place
+    column = 0 if place is None else column_of(places, place, name)
     values = outcomes[..., column]
     return values + observed.sigma.get(name, 0.0) * rng.standard_normal(values.shape)
 
@@ -218,27 +199,31 @@ def column_of(places: list[float], place: float, quantity: str) -> int:
     return 1 + PER_PLACE * places.index(place) + PASSAGE_COLUMNS.index(quantity)
 
 
-def _statistics(values: np.ndarray, blocks: int) -> np.ndarray:
-    """Compute `STATISTICS` of the first finite values of each row."""
+def _statistics(channel: ObservedValues, values: np.ndarray) -> np.ndarray:
+    """Compute `STATISTICS` of the first finite values of each row, as many as were
+    observed."""
+    if channel.place is not None:
+        # Errors can be larger than a small value: what is measured is above 0.
+        values = np.log(np.maximum(values, 1e-3))
     there = np.isfinite(values)
-    there &= np.cumsum(there, axis=1) <= blocks
+    there &= np.cumsum(there, axis=1) <= channel.blocks
     values = np.sort(np.where(there, values, np.nan), axis=1)
     count = np.sum(there, axis=1)
-    some = np.maximum(count, 1)
-    place = PROBABILITIES * (some[:, None] - 1)
+    divisor = np.maximum(count, 1)
+    place = PROBABILITIES * (divisor[:, None] - 1)
     below = np.floor(place).astype(int)
-    above = np.minimum(below + 1, some[:, None] - 1)
+    above = np.minimum(below + 1, divisor[:, None] - 1)
     low, high = (np.take_along_axis(values, i, 1) for i in (below, above))
     quantiles = low + (place - below) * (high - low)
     filled = np.where(np.isfinite(values), values, 0.0)
-    mean = np.sum(filled, axis=1) / some
+    mean = np.sum(filled, axis=1) / divisor
     apart = np.where(np.isfinite(values), values - mean[:, None], 0.0)
-    spread = np.sqrt(np.sum(apart**2, axis=1) / some)
-    found = np.column_stack([quantiles, mean, spread, count / blocks])
-    found[count == 0] = np.nan
-    return found
+    spread = np.sqrt(np.sum(apart**2, axis=1) / divisor)
+    statistics = np.column_stack([quantiles, mean, spread, count / channel.blocks])
+    statistics[count == 0] = np.nan
+    return statistics
 
 
 def _logit_of_share(passed: np.ndarray, blocks: int) -> np.ndarray:
     # With half a block added on both sides, finite for none and for all.
-    return np.log((passed + 0.5) / (blocks - passed + 0.5))
+    return np.log((passed + 0.5) / (blocks - passed + 0.5))[:, None]

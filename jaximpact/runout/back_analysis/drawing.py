@@ -1,5 +1,7 @@
 """Drawings of a back-analysis."""
 
+from functools import partial
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -15,30 +17,18 @@ from .posterior import FittedParameter
 from .predictive import ChannelPrediction, Curve
 from .problem import ENDS
 
-WIDTH, HEIGHT = 4.6, 3.5
-"""Size of a panel [inch]: two stand side by side on a page."""
-BINS = 20
-MOST_SAMPLES, MOST_VALUES = (0.002, 0.998), (0.01, 0.99)
-"""Quantiles of samples and of predicted values between which they are drawn."""
-BAND = 0.25
-"""Opacity."""
+# Inches: two stand side by side on a page.
+panel = partial(panels, height=3.5, width=4.6)
 
 
 @in_style
 def draw_marginal(fitted: FittedParameter, samples: np.ndarray) -> Figure:
     """Draw samples of a parameter beside its prior."""
-    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
+    figure, (axes,) = panel()
     prior, name = fitted.parameter.prior, fitted.parameter.name
-    bulk = tuple(np.quantile(samples, MOST_SAMPLES))
-    counts, edges, _ = axes.hist(
-        samples,
-        BINS,
-        range=bulk,
-        density=True,
-        color=BLUE,
-        alpha=0.6,
-        label="posterior",
-    )
+    bulk = tuple(np.quantile(samples, (0.002, 0.998)))
+    look = {"color": BLUE, "alpha": 0.6, "label": "posterior"}
+    counts, edges, _ = axes.hist(samples, 20, range=bulk, density=True, **look)
     low, high = min(edges[0], fitted.prior_low), max(edges[-1], fitted.prior_high)
     u = np.linspace(ENDS[0], ENDS[-1], 2001)
     x = prior.values(u)
@@ -55,19 +45,19 @@ def draw_marginal(fitted: FittedParameter, samples: np.ndarray) -> Figure:
 @in_style
 def draw_channel(prediction: ChannelPrediction) -> Figure:
     """Draw the cumulative share of observed values, and the band of predicted ones."""
-    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
+    figure, (axes,) = panel()
     channel, predicted = prediction.channel, prediction.predicted
     finite = predicted[np.isfinite(predicted)]
     observed = np.sort(channel.values)
     # One block that went far would press all others together.
-    most = np.quantile(finite, MOST_VALUES) if len(finite) else observed
+    most = np.quantile(finite, (0.01, 0.99)) if len(finite) else observed
     every = np.concatenate([most, observed])
     x = np.linspace(np.min(every), np.max(every), 200)
     rows = [row[np.isfinite(row)] for row in predicted]
     shares = [np.searchsorted(row, x, "right") / len(row) for row in rows if len(row)]
     if shares:
         low, middle, high = np.quantile(shares, (0.025, 0.5, 0.975), axis=0)
-        axes.fill_between(x, low, high, color=BLUE, alpha=BAND, label="95 %")
+        axes.fill_between(x, low, high, color=BLUE, alpha=0.25, label="95 %")
         axes.plot(x, middle, color=BLUE, label="predicted")
     steps = np.arange(1, len(observed) + 1) / len(observed)
     axes.step(observed, steps, where="post", color=VERMILION, label="observed")
@@ -79,8 +69,8 @@ def draw_channel(prediction: ChannelPrediction) -> Figure:
 @in_style
 def draw_curve(curve: Curve) -> Figure:
     """Draw the share of released blocks that exceed a value."""
-    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
-    axes.fill_between(curve.values, curve.low, curve.high, color=BLUE, alpha=BAND)
+    figure, (axes,) = panel()
+    axes.fill_between(curve.values, curve.low, curve.high, color=BLUE, alpha=0.25)
     axes.plot(curve.values, curve.share, color=BLUE)
     axes.set(
         xlabel=f"{curve.quantity} at x = {curve.place:g} m",

@@ -14,7 +14,6 @@ from ..coordinates import FASTEST, HIGHEST_CLIFF
 from ..profile_formats import records_of_file
 from ..terrain import Profile, check_inside
 
-TABLE = "observed"
 KEYS = ("blocks", "stops", "passages", "counts", "held_out_m", "sigma")
 COUNT_KEYS = ("x_m", "passed", "of")
 STOP_COLUMN, COLLECTOR_COLUMN = "x_m", "collector_m"
@@ -26,17 +25,17 @@ PER_PLACE = len(PASSAGE_COLUMNS) + 1
 the height of the lowest point, which tells what barriers do."""
 MOST_BLOCKS = 400
 """Number of blocks of a data set from which on a random part of them is used."""
-USUAL = {"speed_mps": FASTEST, "height_m": HIGHEST_CLIFF}
-"""Largest usual values: no block flies higher than a cliff."""
-FARTHEST = 1e9
-"""Largest number of a table: the squares of larger ones leave the summaries."""
 
 
-class ObservedStops(NamedTuple):
-    """Places where blocks stopped."""
+class ObservedValues(NamedTuple):
+    """Values of one quantity: places where blocks stopped, or passages of a
+    collector."""
 
+    quantity: str  # name with unit: `STOP_COLUMN`, or one of `PASSAGE_COLUMNS`
+    place: float | None  # x of the collector [m]; None for stopping points
     values: np.ndarray
-    """x of the centres [m], `(blocks,)`."""
+    """Values in that unit, one for each block that stopped or passed, `(blocks,)`."""
+    held_out: bool = False  # true for values that are predicted, and not fitted
 
     @property
     def blocks(self) -> int:
@@ -46,40 +45,17 @@ class ObservedStops(NamedTuple):
     @property
     def words(self) -> str:
         """Name in reports."""
-        return "x_m of stopping points"
-
-
-class ObservedPassages(NamedTuple):
-    """Values of one quantity at a collector, of blocks that pass."""
-
-    place: float
-    """x of the collector [m]."""
-    quantity: str
-    """Name with unit, one of `PASSAGE_COLUMNS`."""
-    values: np.ndarray
-    """Values in that unit, `(blocks,)`."""
-    held_out: bool
-    """True for values that are predicted, and not fitted."""
-
-    @property
-    def blocks(self) -> int:
-        """Number of blocks."""
-        return len(self.values)
-
-    @property
-    def words(self) -> str:
-        """Name in reports."""
+        if self.place is None:
+            return f"{self.quantity} of stopping points"
         return f"{self.quantity} at x = {self.place:g} m"
 
 
 class ObservedCount(NamedTuple):
     """Number of blocks that pass a line."""
 
-    place: float
-    """x of the line [m]."""
+    place: float  # x of the line [m]
     passed: int
-    blocks: int
-    """Number of blocks released."""
+    blocks: int  # number of blocks released
 
     @property
     def words(self) -> str:
@@ -87,35 +63,34 @@ class ObservedCount(NamedTuple):
         return f"share past x = {self.place:g} m"
 
 
+Channel = ObservedValues | ObservedCount
+
+
+def is_held_out(channel: Channel) -> bool:
+    """Tell whether a channel is predicted and not fitted."""
+    return isinstance(channel, ObservedValues) and channel.held_out
+
+
 class Observations(NamedTuple):
     """All that was observed on a slope."""
 
-    channels: tuple[ObservedStops | ObservedPassages | ObservedCount, ...]
+    channels: tuple[Channel, ...]
     sigma: dict[str, float]
     """Standard deviations of the errors of measurement, by column."""
-    released: int
-    """Number of blocks that a data set begins with."""
-    inputs: tuple[Path, ...]
-    """Files that were read."""
-    remarks: tuple[str, ...]
-    """Remarks on what was not used as it stands."""
+    released: int  # number of blocks that a data set begins with
+    inputs: tuple[Path, ...]  # files that were read
+    remarks: tuple[str, ...]  # remarks on what was not used as it stands
 
     @property
-    def fitted(self) -> tuple[ObservedStops | ObservedPassages | ObservedCount, ...]:
+    def fitted(self) -> tuple[Channel, ...]:
         """Channels that are fitted."""
         return tuple(c for c in self.channels if not is_held_out(c))
 
     @property
-    def held_out(self) -> tuple[ObservedPassages, ...]:
+    def held_out(self) -> tuple[ObservedValues, ...]:
         """Channels that are predicted only."""
-        return tuple(
-            c for c in self.channels if isinstance(c, ObservedPassages) and c.held_out
-        )
-
-
-def is_held_out(channel: ObservedStops | ObservedPassages | ObservedCount) -> bool:
-    """Tell whether a channel is predicted and not fitted."""
-    return isinstance(channel, ObservedPassages) and channel.held_out
+        values = (c for c in self.channels if isinstance(c, ObservedValues))
+        return tuple(c for c in values if c.held_out)
 
 
 def read_observed(
@@ -123,30 +98,29 @@ def read_observed(
 ) -> Observations:
     """Read the table [observed] of a study, and the files that it names.
 
-    Args:
-        content: content of the study's file.
-        seed: of the choice of blocks where there are more than `MOST_BLOCKS`.
+    The seed chooses blocks where there are more than `MOST_BLOCKS`.
 
     Raises InputError, naming file, row and key, for whatever cannot be used. Warns of
     columns that are not used.
     """
     top = Key(path)
-    key = top[TABLE]
-    if TABLE not in content:
+    key = top["observed"]
+    if "observed" not in content:
         raise key.error("needs a table [observed]")
-    table = known_table(top, content, TABLE, KEYS)
-    channels: list[ObservedStops | ObservedPassages | ObservedCount] = []
+    table = known_table(top, content, "observed", KEYS)
+    channels: list[Channel] = []
     inputs: list[Path] = []
     remarks: list[str] = []
     places = typed(key, table, "held_out_m", list, [])
     held_out = [number(key["held_out_m"], x) for x in places]
-    for name, read in (("stops", _stops), ("passages", _passages)):
-        if name in table:
-            inputs.append(path.parent / typed(key, table, name, str))
-            channels += read(inputs[-1], profile, held_out, remarks)
-    known = {c.place for c in channels if isinstance(c, ObservedPassages)}
+    if "stops" in table:
+        inputs.append(path.parent / typed(key, table, "stops", str))
+        channels += _stops(inputs[-1], profile, remarks)
+    if "passages" in table:
+        inputs.append(path.parent / typed(key, table, "passages", str))
+        channels += _passages(inputs[-1], profile, held_out, remarks)
     for x in held_out:
-        if x not in known:
+        if x not in {channel.place for channel in channels}:
             raise key["held_out_m"].error(f"holds {x:g}, where no passage is")
     channels += _counts(key, table, profile)
     if all(map(is_held_out, channels)):
@@ -166,17 +140,15 @@ def read_observed(
             "random, are used, so that intervals are those of so many"
         )
         released = max(MOST_BLOCKS, *(channel.blocks for channel in channels))
-    sigma = _sigma(key, table)
+    errors, at = typed(key, table, "sigma", dict, {}), key["sigma"]
+    check_keys(at, errors, (STOP_COLUMN, *PASSAGE_COLUMNS))
+    sigma = {name: number(at[name], of, least=0.0) for name, of in errors.items()}
     for remark in remarks:
         warnings.warn(f"{path}: {remark}", stacklevel=2)
     return Observations(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
 
 
-def _thinned(
-    channel: ObservedStops | ObservedPassages | ObservedCount,
-    share: float,
-    rng: np.random.Generator,
-) -> ObservedStops | ObservedPassages | ObservedCount:
+def _thinned(channel: Channel, share: float, rng: np.random.Generator) -> Channel:
     """Choose a share of the blocks of a channel at random, one at least."""
     size = max(1, round(share * channel.blocks))
     if isinstance(channel, ObservedCount):
@@ -186,28 +158,23 @@ def _thinned(
     return channel._replace(values=rng.choice(channel.values, size, replace=False))
 
 
-def _stops(
-    file: Path, profile: Profile, held_out: list[float], remarks: list[str]
-) -> list[ObservedStops | ObservedPassages | ObservedCount]:
-    columns, lines = _columns(file, (STOP_COLUMN,), (), remarks)
+def _stops(file: Path, profile: Profile, remarks: list[str]) -> list[ObservedValues]:
+    columns, lines = _columns(file, STOP_COLUMN, (), remarks)
     x = columns[STOP_COLUMN]
-    bad = ~((x >= profile.x[0]) & (x <= profile.x[-1]))
-    if np.any(bad):
-        i = int(np.argmax(bad))
-        raise InputError(
-            f"must lie on the profile, x = {profile.x[0]:g} to {profile.x[-1]:g} m, "
-            + (f"but is {x[i]:g}" if np.isfinite(x[i]) else "but is empty"),
-            file=file,
-            row=lines[i],
-            column=STOP_COLUMN,
-        )
-    return [ObservedStops(x)]
+    for line, place in zip(lines, x, strict=True):
+        if not profile.x[0] <= place <= profile.x[-1]:
+            raise InputError(
+                f"must lie on the profile, x = {profile.x[0]:g} to {profile.x[-1]:g} "
+                f"m, but is {place:g}",
+                **{"file": file, "row": line, "column": STOP_COLUMN},
+            )
+    return [ObservedValues(STOP_COLUMN, None, x)]
 
 
 def _passages(
     file: Path, profile: Profile, held_out: list[float], remarks: list[str]
-) -> list[ObservedStops | ObservedPassages | ObservedCount]:
-    columns, lines = _columns(file, (COLLECTOR_COLUMN,), PASSAGE_COLUMNS, remarks)
+) -> list[ObservedValues]:
+    columns, lines = _columns(file, COLLECTOR_COLUMN, PASSAGE_COLUMNS, remarks)
     places = columns.pop(COLLECTOR_COLUMN)
     if not columns:
         raise InputError(
@@ -215,26 +182,22 @@ def _passages(
         )
     for line, x in zip(lines, places, strict=True):
         check_inside(profile, x, file=file, row=line, column=COLLECTOR_COLUMN)
-    found: list[ObservedStops | ObservedPassages | ObservedCount] = []
+    channels = []
     for name, values in columns.items():
         for line, value in zip(lines, values, strict=True):
             if value <= 0.0:
                 raise InputError(
                     f"must be above 0, but is {value:g}",
-                    file=file,
-                    row=line,
-                    column=name,
+                    **{"file": file, "row": line, "column": name},
                 )
         _warn_of_unusual(file, name, values, lines)
-        for x in np.unique(places):
+        for x in np.unique(places).tolist():
             here = values[(places == x) & np.isfinite(values)]
             if len(here):
-                found.append(
-                    ObservedPassages(float(x), name, here, float(x) in held_out)
-                )
-    if not found:
+                channels.append(ObservedValues(name, x, here, x in held_out))
+    if not channels:
         raise InputError("holds no measured value", file=file)
-    return found
+    return channels
 
 
 def _warn_of_unusual(
@@ -242,29 +205,29 @@ def _warn_of_unusual(
 ) -> None:
     """Warn of the first speed or height that hardly any block has: a mark for no data,
     or another unit."""
-    most = USUAL.get(name, np.inf)
-    unusual = values > most
+    # No block flies higher than a cliff.
+    usual = {"speed_mps": FASTEST, "height_m": HIGHEST_CLIFF}.get(name, np.inf)
+    unusual = values > usual
     if np.any(unusual):
         i = int(np.argmax(unusual))
         text = (
             f"{file}, row {lines[i]}, column {name}: is {values[i]:g}, while usual are "
-            f"up to {most:g}; is it a mark for no data, or in another unit?"
+            f"up to {usual:g}; is it a mark for no data, or in another unit?"
         )
         warnings.warn(UnusualValueWarning(text, name), stacklevel=2)
 
 
 def _columns(
-    file: Path, needed: tuple[str, ...], others: tuple[str, ...], remarks: list[str]
+    file: Path, needed: str, others: tuple[str, ...], remarks: list[str]
 ) -> tuple[dict[str, np.ndarray], list[int]]:
     """Read columns of numbers, NaN for an empty cell, and the line of each row."""
     first, header, rows = records_of_file(file)
     names = [name.strip() for name in header]
-    for name in needed:
-        if names.count(name) != 1:
-            raise InputError(f"needs one column {name}", file=file, row=first)
+    if names.count(needed) != 1:
+        raise InputError(f"needs one column {needed}", file=file, row=first)
     if not rows:
         raise InputError("has a header, but no row", file=file)
-    unused = [name for name in names if name not in (*needed, *others)]
+    unused = [name for name in names if name not in (needed, *others)]
     if unused:
         remarks.append(f"{file.name}: not used are the columns {', '.join(unused)}")
     columns = {}
@@ -275,20 +238,19 @@ def _columns(
             raise InputError("stands twice in the header", file=file, column=name)
         cells = [cells[place].strip() for _, cells in rows]
         for (line, _), cell in zip(rows, cells, strict=True):
-            is_number = reads_as_number(cell) and abs(float(cell)) < FARTHEST
-            if not is_number and (cell or name in needed):
+            # The squares of larger numbers would leave the summaries.
+            is_number = reads_as_number(cell) and abs(float(cell)) < 1e9
+            if not is_number and (cell or name == needed):
                 raise InputError(
                     f"must be a number, but is {cell!r}",
-                    file=file,
-                    row=line,
-                    column=name,
+                    **{"file": file, "row": line, "column": name},
                 )
         columns[name] = np.array([float(cell) if cell else np.nan for cell in cells])
     return columns, [line for line, _ in rows]
 
 
 def _counts(key: Key, table: dict, profile: Profile) -> list[ObservedCount]:
-    found = []
+    counts = []
     for place, entry in enumerate(typed(key, table, "counts", list, []), 1):
         where = key["counts"][str(place)]
         if not isinstance(entry, dict):
@@ -301,15 +263,5 @@ def _counts(key: Key, table: dict, profile: Profile) -> list[ObservedCount]:
         check_inside(profile, x, **where["x_m"].place)
         blocks = whole(where, entry, "of", 1, 1)
         passed = whole(where, entry, "passed", 0, 0, blocks)
-        found.append(ObservedCount(x, passed, blocks))
-    return found
-
-
-def _sigma(observed: Key, table: dict) -> dict[str, float]:
-    key, sigma = observed["sigma"], typed(observed, table, "sigma", dict, {})
-    check_keys(key, sigma, (STOP_COLUMN, *PASSAGE_COLUMNS))
-    found = {n: number(key[n], value) for n, value in sigma.items()}
-    for name, value in found.items():
-        if value < 0.0:
-            raise key[name].error(f"must be at least 0, but is {value:g}")
-    return found
+        counts.append(ObservedCount(x, passed, blocks))
+    return counts

@@ -19,27 +19,6 @@ from .regression import (
     weighted_quantiles,
 )
 
-MOST_ROUNDS = 8
-"""Largest number of rounds: boxes that shrink by `ENOUGH` each still end."""
-
-OUTSIDE = 0.0005
-"""Probability beyond each end of a box."""
-
-MARGIN = 1.25
-"""Factor by which a box is wider than that, about the median, in z."""
-
-LEAST_WIDTH = 0.02
-"""Least width of a box as a fraction of that of the one before."""
-
-ENOUGH = 0.75
-"""A box of at least this fraction of the one before ends the rounds."""
-
-LEAST_POOL = 100
-"""Number of data sets below which no posterior is found."""
-
-ROUNDING = 1e-9
-"""Distance from the ends of a box, as a fraction, that keeps z finite."""
-
 
 class Region(NamedTuple):
     """Box of candidates, as probabilities under the priors."""
@@ -50,7 +29,7 @@ class Region(NamedTuple):
     def z(self, u: np.ndarray) -> np.ndarray:
         """Map candidates in the box to all numbers."""
         inside = (u - self.low) / (self.high - self.low)
-        return logit(np.clip(inside, ROUNDING, 1.0 - ROUNDING))
+        return logit(np.clip(inside, 1e-9, 1.0 - 1e-9))  # finite at the ends too
 
     def u(self, z: np.ndarray) -> np.ndarray:
         """Map numbers to candidates in the box."""
@@ -69,16 +48,11 @@ class Region(NamedTuple):
 class Searched(NamedTuple):
     """Result of all rounds."""
 
-    pool: Pool
-    """Data sets in the last box."""
-    region: Region
-    """The last box."""
-    volumes: list[float]
-    """Prior probability of the box of each round."""
-    simulated: int
-    """Number of data sets simulated in all."""
-    without: int
-    """Number of them that lack a channel of what was observed."""
+    pool: Pool  # data sets in the last box
+    region: Region  # the last box
+    volumes: list[float]  # prior probability of the box of each round
+    simulated: int  # number of data sets simulated in all
+    without: int  # number of them that lack a channel of what was observed
 
 
 def search(fit: SlopeFit, store: Store | None) -> Searched:
@@ -111,46 +85,41 @@ def search(fit: SlopeFit, store: Store | None) -> Searched:
                 store=store,
                 what=f"data sets of round {number + 1}",
             )
-            found = simulated_summaries(fit.observed, outcomes, fit.places, number)
-            u, summaries = np.vstack([u, new]), np.vstack([summaries, found])
+            simulated = simulated_summaries(fit.observed, outcomes, fit.places, number)
+            u, summaries = np.vstack([u, new]), np.vstack([summaries, simulated])
         valid = np.all(np.isfinite(summaries), axis=1)
         inside = region.holds(u) & valid
-        _check_enough(fit, inside)
+        if (enough := int(np.sum(inside))) < 100:
+            raise InputError(
+                f"only {enough} of {len(inside)} simulated data sets have what was "
+                "observed, a block that stops or one at each collector; check the "
+                "observations and the releases, or widen the priors",
+                file=fit.path,
+                key="fit",
+            )
         pool = make_pool(region.z(u[inside]), summaries[inside], target)
         smaller = _shrunk(pool, region)
-        if smaller.volume > ENOUGH * region.volume or len(volumes) == MOST_ROUNDS:
+        # Boxes that shrink hardly, or again and again, tell no more.
+        if smaller.volume > 0.75 * region.volume or len(volumes) == 8:
             without = int(np.sum(~valid))
             return Searched(pool, region, volumes, len(u), without)
         region = smaller
 
 
-def _check_enough(fit: SlopeFit, inside: np.ndarray) -> None:
-    enough = int(np.sum(inside))
-    if enough < LEAST_POOL:
-        raise InputError(
-            f"only {enough} of {len(inside)} simulated data sets have what was "
-            "observed, a block that stops or one at each collector; check the "
-            "observations and the releases, or widen the priors",
-            file=fit.path,
-            key="fit",
-        )
-
-
 def _shrunk(pool: Pool, region: Region) -> Region:
-    """Find the box of the next round."""
+    """Find the box of the next round: all but 0.1 % of each parameter's posterior, and
+    a quarter more on both sides of the median."""
     samples, weights = posterior_at(pool, pool.t_observed)
-    low, middle, high = weighted_quantiles(
-        samples, weights, (OUTSIDE, 0.5, 1.0 - OUTSIDE)
-    )
+    low, middle, high = weighted_quantiles(samples, weights, (0.0005, 0.5, 0.9995))
     # No farther than there are candidates: data that the model does not explain can
     # lead anywhere.
     ends = np.min(pool.z, axis=0), np.max(pool.z, axis=0)
     low, high = (
-        region.u(np.clip(middle + MARGIN * (end - middle), *ends))
-        for end in (low, high)
+        region.u(np.clip(middle + 1.25 * (end - middle), *ends)) for end in (low, high)
     )
-    centre, width = 0.5 * (low + high), region.high - region.low
-    half = np.maximum(0.5 * (high - low), 0.5 * LEAST_WIDTH * width)
+    # No round shrinks a box to less than 2 %: its posterior is a rough one.
+    least = 0.01 * (region.high - region.low)
+    centre, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), least)
     return Region(
         np.maximum(centre - half, region.low), np.minimum(centre + half, region.high)
     )
@@ -158,18 +127,11 @@ def _shrunk(pool: Pool, region: Region) -> Region:
 
 LEVEL = 0.95
 TAILS = (0.5 * (1.0 - LEVEL), 0.5, 0.5 * (1.0 + LEVEL))
-SAMPLES = 2000
-"""Number of samples of the posterior that are kept."""
 WIDE = 0.8
 """Width of an interval, as a fraction of the prior's, from which on a parameter is not
 determined."""
-AT_BOUND = 0.005
-"""Probability under the prior between an end of an interval and the prior's bound below
-which the two are one."""
 TOGETHER = 0.9
 """Correlation of ranks above which two parameters act together."""
-LEFT_OUT = 200
-"""Number of data sets left out, in turn, to test the intervals."""
 RARE = 0.01
 """Chance of as few of these within right intervals, below which the report warns."""
 
@@ -180,14 +142,10 @@ class FittedParameter:
 
     parameter: SlopeParameter
     median: float
-    low: float
-    """Lower end of the 95 % interval."""
-    high: float
-    """Upper end of it."""
-    prior_low: float
-    """Lower end of the prior's 95 % interval."""
-    prior_high: float
-    """Upper end of it."""
+    low: float  # lower end of the 95 % interval
+    high: float  # upper end of it
+    prior_low: float  # lower end of the prior's 95 % interval
+    prior_high: float  # upper end of it
     ends: tuple[float, float]
     """Ends of the 95 % interval as probabilities under the prior."""
     coverage_68: float
@@ -204,7 +162,7 @@ class FittedParameter:
     @property
     def at_bound(self) -> bool:
         """Tell whether the interval ends where the prior does."""
-        return self.ends[0] < AT_BOUND or self.ends[1] > 1.0 - AT_BOUND
+        return self.ends[0] < 0.005 or self.ends[1] > 0.995
 
     @property
     def determined(self) -> bool:
@@ -217,14 +175,10 @@ class Posterior:
     """Posterior of all fitted parameters."""
 
     fitted: tuple[FittedParameter, ...]
-    u: np.ndarray
-    """Samples as probabilities under the priors, `(samples, parameters)`."""
-    values: np.ndarray
-    """Samples in the units of the names, `(samples, parameters)`."""
-    correlation: np.ndarray
-    """Correlations of ranks, `(parameters, parameters)`."""
-    left_out: int
-    """Number of data sets left out, in turn."""
+    u: np.ndarray  # samples as probabilities under the priors, `(samples, parameters)`
+    values: np.ndarray  # samples in the units of the names, `(samples, parameters)`
+    correlation: np.ndarray  # correlations of ranks, `(parameters, parameters)`
+    left_out: int  # number of data sets left out, in turn
 
     def is_too_narrow(self, fitted: FittedParameter) -> bool:
         """Tell whether left-out data sets lie outside the 95 % interval of a parameter
@@ -248,14 +202,12 @@ def posterior_of(fit: SlopeFit, searched: Searched) -> Posterior:
     pool, region = searched.pool, searched.region
     z, weights = posterior_at(pool, pool.t_observed)
     quantiles = region.u(weighted_quantiles(z, weights, TAILS))
-    values, prior = (
-        fit.values(quantiles),
-        fit.values(np.tile(np.array(TAILS)[:, None], len(fit.parameters))),
-    )
-    count = min(LEFT_OUT, len(pool.z) // 4)
+    values = fit.values(quantiles)
+    prior = fit.values(np.tile(np.array(TAILS)[:, None], len(fit.parameters)))
+    count = min(200, len(pool.z) // 4)
     apart = np.abs(ranks_of_left_out(pool, count) - 0.5)
     rng = np.random.default_rng(fit.slope.seed)
-    u = region.u(z[rng.choice(len(z), SAMPLES, p=weights)])
+    u = region.u(z[rng.choice(len(z), 2000, p=weights)])
     fitted = tuple(
         FittedParameter(
             parameter=parameter,

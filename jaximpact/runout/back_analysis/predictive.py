@@ -21,28 +21,14 @@ from .data_sets import (
     simulated_summaries,
     summary_names,
 )
-from .observed import (
-    PASSAGE_COLUMNS,
-    PER_PLACE,
-    ObservedCount,
-    ObservedPassages,
-    ObservedStops,
-)
+from .observed import PASSAGE_COLUMNS, PER_PLACE, ObservedValues
 from .posterior import TAILS, Posterior, Searched
 from .problem import SlopeFit
 
-DRAWS = 100
-"""Number of grounds, samples of the posterior, behind a prediction."""
-DATA_SETS = 5
-"""Number of data sets on each."""
 LEAST_BLOCKS = 200
-"""Least number of blocks released for each data set."""
+"""Least number of blocks released for each data set: enough for percentiles of 95."""
 STREAM = 100
 """Stream of random numbers of predictions, which no round has."""
-GRID = 101
-"""Number of values of a curve of exceedance: steps of 1 %."""
-PERCENTS = (50, 95)
-CURVE_PERCENTS = (50, 95, 99)
 RARE = 0.01
 """Probability of a worse deviation below which the model does not explain the
 observations."""
@@ -53,8 +39,7 @@ class ModelCheck(NamedTuple):
 
     probability: float
     """Fraction of predicted data sets whose worst summary deviates as much."""
-    worst: str
-    """Name of the observed summary that deviates most."""
+    worst: str  # name of the observed summary that deviates most
     deviation: float
     """Deviation of that summary from the predicted mean, in predicted standard
     deviations."""
@@ -68,18 +53,12 @@ class ModelCheck(NamedTuple):
 class Curve(NamedTuple):
     """Share of all released blocks that exceed a value at a place."""
 
-    place: float
-    """x [m]."""
-    names: tuple[str, ...]
-    """Barriers there."""
-    quantity: str
-    """Name with unit, one of `PASSAGE_COLUMNS`."""
-    values: np.ndarray
-    """`(values,)`, in that unit."""
-    share: np.ndarray
-    """Fraction of the blocks on all grounds, `(values,)`."""
-    low: np.ndarray
-    """Lower end of the 95 % interval."""
+    place: float  # x [m]
+    names: tuple[str, ...]  # barriers there
+    quantity: str  # name with unit, one of `PASSAGE_COLUMNS`
+    values: np.ndarray  # `(values,)`, in that unit
+    share: np.ndarray  # fraction of the blocks on all grounds, `(values,)`
+    low: np.ndarray  # lower end of the 95 % interval
     high: np.ndarray
     design: dict[int, tuple[float, float, float]]
     """Each percentile of the blocks that arrive, and the ends of its interval."""
@@ -88,7 +67,7 @@ class Curve(NamedTuple):
 class ChannelPrediction(NamedTuple):
     """Observed values of a channel beside predicted data sets of the same size."""
 
-    channel: ObservedStops | ObservedPassages
+    channel: ObservedValues
     predicted: np.ndarray
     """Sorted values of each data set, NaN last, `(data sets, values)`."""
 
@@ -96,15 +75,13 @@ class ChannelPrediction(NamedTuple):
         """List percentage, observed percentile, and lower end, median and upper end of
         the predicted one."""
         full = self.predicted[np.all(np.isfinite(self.predicted), axis=1)]
-        if not len(full):
-            return []
         return [
             (
                 percent,
                 float(np.percentile(self.channel.values, percent)),
                 *np.quantile(np.percentile(full, percent, axis=1), TAILS).tolist(),
             )
-            for percent in PERCENTS
+            for percent in ((50, 95) if len(full) else ())
         ]
 
 
@@ -115,40 +92,34 @@ class Predicted(NamedTuple):
     channels: tuple[ChannelPrediction, ...]
     curves: tuple[Curve, ...]
     barriers: tuple[BarrierEstimates, ...]
-    draws: int
-    """Number of grounds, samples of the posterior."""
-    blocks: int
-    """Number of blocks released on each."""
+    draws: int  # number of grounds, samples of the posterior
+    blocks: int  # number of blocks released on each
 
 
 def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predicted:
     """Simulate data sets for samples of the posterior, and compare and count."""
     released = fit.observed.released
+    # Five data sets on each of 100 grounds.
     size = max(released, LEAST_BLOCKS)
-    blocks = DATA_SETS * size
+    blocks = 5 * size
     outcomes = simulate_data_sets(
         fit=fit,
-        u=posterior.u[:DRAWS],
+        u=posterior.u[:100],
         blocks=blocks,
         stream=STREAM,
         store=store,
         what="predicted data sets",
     )
     data_sets = outcomes.reshape(-1, size, outcomes.shape[-1])
-    names = {x: tuple(b.name for b in fit.barriers if b.x == x) for x in fit.places}
+    channels = [c for c in fit.observed.channels if isinstance(c, ObservedValues)]
+    curves = [_curve(fit, outcomes, x, q) for x in fit.places for q in PASSAGE_COLUMNS]
     return Predicted(
         check=_check(fit, data_sets[:, :released]),
         channels=tuple(
             ChannelPrediction(channel, _values(fit, channel, data_sets))
-            for channel in fit.observed.channels
-            if not isinstance(channel, ObservedCount)
+            for channel in channels
         ),
-        curves=tuple(
-            curve
-            for x in fit.places
-            for quantity in PASSAGE_COLUMNS
-            if (curve := _curve(fit, outcomes, x, names[x], quantity)) is not None
-        ),
+        curves=tuple(curve for curve in curves if curve is not None),
         barriers=tuple(at_barrier(fit, outcomes, b) for b in fit.barriers),
         draws=len(outcomes),
         blocks=blocks,
@@ -156,12 +127,12 @@ def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predict
 
 
 def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
-    found = simulated_summaries(fit.observed, outcomes, fit.places, STREAM)
-    found = found[np.all(np.isfinite(found), axis=1)]
+    summaries = simulated_summaries(fit.observed, outcomes, fit.places, STREAM)
+    summaries = summaries[np.all(np.isfinite(summaries), axis=1)]
     observed, names = observed_summary(fit.observed), summary_names(fit.observed)
-    if len(found) < 2:
+    if len(summaries) < 2:
         return ModelCheck(0.0, names[0], np.inf)
-    mean, spread = np.mean(found, axis=0), np.std(found, axis=0)
+    mean, spread = np.mean(summaries, axis=0), np.std(summaries, axis=0)
 
     def deviations(summary: np.ndarray) -> np.ndarray:
         apart = np.abs(summary - mean)
@@ -170,15 +141,13 @@ def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(same, 0.0, apart / spread)
 
-    ours, theirs = deviations(observed), np.max(deviations(found), axis=1)
+    ours, theirs = deviations(observed), np.max(deviations(summaries), axis=1)
     worst = int(np.argmax(ours))
-    probability = (np.sum(theirs >= ours[worst]) + 1.0) / (len(found) + 1.0)
+    probability = (np.sum(theirs >= ours[worst]) + 1.0) / (len(summaries) + 1.0)
     return ModelCheck(float(probability), names[worst], float(ours[worst]))
 
 
-def _values(
-    fit: SlopeFit, channel: ObservedStops | ObservedPassages, outcomes: np.ndarray
-) -> np.ndarray:
+def _values(fit: SlopeFit, channel: ObservedValues, outcomes: np.ndarray) -> np.ndarray:
     """Give the first values of each data set with errors of measurement, sorted, as
     many as were observed."""
     rng = np.random.default_rng(STREAM)
@@ -189,27 +158,25 @@ def _values(
 
 
 def _curve(
-    fit: SlopeFit, outcomes: np.ndarray, x: float, names: tuple, quantity: str
+    fit: SlopeFit, outcomes: np.ndarray, x: float, quantity: str
 ) -> Curve | None:
     """Count exceedances at a place; None where no block comes."""
     values = outcomes[..., column_of(fit.places, x, quantity)]
     there = np.isfinite(values)
     if not np.any(there):
         return None
-    grid = np.linspace(0.0, np.max(values[there]), GRID)
-    ordered = np.sort(np.where(there, values, -np.inf), axis=1)
+    names = tuple(barrier.name for barrier in fit.barriers if barrier.x == x)
+    grid = np.linspace(0.0, np.max(values[there]), 101)
+    grounds = [np.sort(row[np.isfinite(row)]) for row in values]
+    counts = np.stack([len(g) - np.searchsorted(g, grid, "right") for g in grounds])
     blocks = np.full(len(values), values.shape[1])
-    counts = np.stack(
-        [len(row) - np.searchsorted(row, grid, "right") for row in ordered]
-    )
     low, high = share_intervals_over_grounds(counts, blocks)
-    grounds = [row[np.isfinite(row)] for row in values]
     design = {
         percent: (
             float(np.percentile(values[there], percent)),
             *percentile_interval_over_grounds(grounds, percent),
         )
-        for percent in CURVE_PERCENTS
+        for percent in (50, 95, 99)
     }
     share = np.sum(counts, axis=0) / values.size
     return Curve(x, names, quantity, grid, share, low, high, design)
@@ -223,12 +190,8 @@ def at_barrier(
     speed, centre, energy, lowest = np.moveaxis(
         outcomes[..., first : first + PER_PLACE], -1, 0
     )
-    passages = {
-        "energy": 1e3 * energy,
-        "speed": speed,
-        "centre_height": centre,
-        "lowest_height": lowest,
-    }
+    passages = {"speed_mps": speed, "energy_J": 1e3 * energy}
+    passages |= {"centre_height_m": centre, "lowest_height_m": lowest}
     return estimates_at(barrier, outcomes[..., -1] == 0.0, passages)
 
 

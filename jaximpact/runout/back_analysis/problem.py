@@ -5,8 +5,9 @@ import copy
 import dataclasses
 import json
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,15 +25,11 @@ from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
 from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
-from .observed import PER_PLACE, TABLE, Observations, ObservedStops, read_observed
+from .observed import PER_PLACE, Observations, read_observed
 
 FIT, CONTACTS = "fit", "contacts"
-DATA_SETS_KEY = "data_sets"
 DATA_SETS = 1500
 """Default number of data sets behind the posterior."""
-LEAST_DATA_SETS = 200
-"""Least number of them: the regression takes the nearest 20 %, and needs 25 for each
-coefficient."""
 ENDS = np.array([1e-9, 0.5, 1.0 - 1e-9])
 
 
@@ -40,10 +37,8 @@ ENDS = np.array([1e-9, 0.5, 1.0 - 1e-9])
 class SlopeParameter:
     """Parameter of the ground, or of a contact law in closed form, that is fitted."""
 
-    key: str
-    """Key in the study: ground.materials.scree.gamma_v, or contacts.e_n."""
-    prior: Distribution
-    """Prior, in the unit of the name."""
+    key: str  # key in the study: ground.materials.scree.gamma_v, or contacts.e_n
+    prior: Distribution  # prior, in the unit of the name
     column: InputColumn
 
     @property
@@ -63,25 +58,21 @@ class SlopeFit:
     parameters: tuple[SlopeParameter, ...]
     observed: Observations
     barriers: tuple[Barrier, ...]
-    data_sets: int
-    """Number of data sets behind the posterior."""
+    data_sets: int  # number of data sets behind the posterior
     identity: str
     """Text that names what simulated data sets depend on beside the candidates."""
 
     @property
     def places(self) -> list[float]:
         """List the places at which passages are found [m], increasing."""
-        lines = [
-            c.place for c in self.observed.channels if not isinstance(c, ObservedStops)
-        ]
-        return sorted({*lines, *(barrier.x for barrier in self.barriers)})
+        lines = {c.place for c in self.observed.channels if c.place is not None}
+        return sorted(lines | {barrier.x for barrier in self.barriers})
 
     @property
     def inputs(self) -> list[Path]:
         """List the files that were read."""
-        law = self.slope.laws[0]
-        files = self.path, *self.slope.checksums, *law.checksums
-        return [*files, *self.observed.inputs]
+        of_law = self.slope.laws[0].checksums
+        return [self.path, *self.slope.checksums, *of_law, *self.observed.inputs]
 
     def values(self, u: np.ndarray) -> np.ndarray:
         """Turn probabilities under the priors into parameters, `(..., parameters)`."""
@@ -92,8 +83,7 @@ class SlopeFit:
 def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     """Read a back-analysis; `jaximpact calibrate --help` describes the file.
 
-    Args:
-        accuracy: accuracy of the full model, in place of the file's.
+    The accuracy of the full model stands in place of the file's.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
@@ -103,46 +93,46 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     if FIT not in content:
         raise top[FIT].error("needs a table [fit]")
     fit = dict(typed(top, content, FIT, dict))
-    given = {DATA_SETS_KEY: fit.pop(DATA_SETS_KEY, DATA_SETS)}
-    data_sets = whole(top[FIT], given, DATA_SETS_KEY, DATA_SETS, LEAST_DATA_SETS)
+    numbers = {"data_sets": fit.pop("data_sets", DATA_SETS)}
+    # The regression takes the nearest 20 %, and needs 25 for each coefficient.
+    data_sets = whole(top[FIT], numbers, "data_sets", DATA_SETS, 200)
     soil = GroundInput.read(path, content).soil
-    ground = typed(top, content, "ground", dict, {})
-    merged = copy.deepcopy(content)
-    of_law = _read_law_parameters(top, fit, merged)
-    parameters = (*_read_parameters(top, fit, ground, soil), *of_law)
+    parameters = tuple(
+        _parameter(top, *prior) for prior in _priors(top, content, fit, soil)
+    )
     if not parameters:
         raise top[FIT].error("names no parameter to fit")
-    _merge(merged.setdefault("ground", {}), fit)
-    slope = read_slope_input(path, merged, accuracy)
+    slope = read_slope_input(path, _with_priors(content, fit, parameters), accuracy)
     if len(slope.laws) > 1:
         raise top["contacts"].error(f"names {len(slope.laws)} laws; a fit takes one")
     (law,) = slope.laws
     if isinstance(law.contacts, ClosedForm):
         _warn_of_soil(path, law.name, parameters)
-    told = law.description | dict.fromkeys((p.column.name for p in of_law), "fitted")
-    slope = slope._replace(laws=[law._replace(description=told)])
+    of_law = [p.column.name for p in parameters if p.key.startswith(CONTACTS)]
+    fitted = dict.fromkeys(of_law, "fitted")
+    law = law._replace(description=law.description | fitted)
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
-    rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
-    files = {f.name: c for f, c in (slope.checksums | slope.laws[0].checksums).items()}
+    rest = {k: v for k, v in content.items() if k not in ("observed", FIT, "title")}
+    files = {f.name: c for f, c in (slope.checksums | law.checksums).items()}
     observed = read_observed(path, content, profile, slope.seed)
-    fitted = SlopeFit(
+    back_analysis = SlopeFit(
         path=path,
         title=typed(top, content, "title", str, path.stem),
-        slope=slope,
+        slope=slope._replace(laws=[law]),
         parameters=parameters,
         observed=observed,
         barriers=read_barriers(path, content, profile),
         data_sets=data_sets,
-        identity=json.dumps([rest, files, slope.laws[0].description], default=str),
+        identity=json.dumps([rest, files, law.description], default=str),
     )
-    columns = 2 + PER_PLACE * len(fitted.places)
+    columns = 2 + PER_PLACE * len(back_analysis.places)
     check_memory(
         data_sets * observed.released * columns,
         f"{data_sets} data sets of {observed.released} blocks",
-        **top[FIT][DATA_SETS_KEY].place,
+        **top[FIT]["data_sets"].place,
     )
-    return fitted
+    return back_analysis
 
 
 def _warn_of_soil(path: Path, law: str, parameters: Iterable[SlopeParameter]) -> None:
@@ -157,52 +147,39 @@ def _warn_of_soil(path: Path, law: str, parameters: Iterable[SlopeParameter]) ->
             )
 
 
-def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[SlopeParameter]:
-    """Take the priors of a contact law out of `fit`, and put their medians into the
-    study, which must have a value for each."""
-    if CONTACTS not in fit:
-        return []
-    priors = typed(top[FIT], fit, CONTACTS, dict)
-    del fit[CONTACTS]
-    table = typed(top, merged, CONTACTS, dict, {})
-    columns, found = columns_of_law(top, table), []
-    if not columns:
-        raise top[FIT][CONTACTS].error(
-            "is for a law in closed form, with parameters of its own"
-        )
-    for name, value in priors.items():
-        if name not in columns:
-            raise unknown(top[FIT][CONTACTS], name, columns)
-        found.append(_parameter(top, f"{CONTACTS}.{name}", value, columns[name]))
-        table[name] = float(found[-1].prior.values(ENDS)[1])
-    return found
-
-
-def _read_parameters(
-    top: Key, fit: dict, ground: dict, soil: Soil
-) -> tuple[SlopeParameter, ...]:
-    """Read the priors; InputError for names that are unknown and for what is no
-    prior."""
-    columns, found = ground_columns(soil), []
-    for name, value in fit.items():
-        if name not in PARTS:
-            if name not in columns:
-                known = (*columns, *PARTS, CONTACTS, DATA_SETS_KEY)
-                raise unknown(top[FIT], name, known)
-            found.append(_parameter(top, f"ground.{name}", value, columns[name]))
-            continue
-        for part, quantities in typed(top[FIT], fit, name, dict).items():
-            where = top[FIT][name][part]
-            known = ground.get(name, {})
-            if name == "materials" and part not in known:
-                hint = f"; did you mean {nearest(part, known)}?" if known else ""
-                raise where.error(f"is no material of [ground.materials]{hint}")
-            for inner, prior in of_kind(where, quantities, dict).items():
-                if inner not in columns:
-                    raise unknown(where, inner, columns)
-                key = f"ground.{name}.{part}.{inner}"
-                found.append(_parameter(top, key, prior, columns[inner]))
-    return tuple(found)
+def _priors(
+    top: Key, content: dict, fit: dict, soil: Soil
+) -> Iterator[tuple[str, Any, InputColumn]]:
+    """Yield key, prior and column of each parameter, those of a contact law last;
+    InputError for names that are unknown."""
+    where, ground = top[FIT], typed(top, content, "ground", dict, {})
+    columns = ground_columns(soil)
+    for name in sorted(fit, key=lambda name: name == CONTACTS):
+        if name == CONTACTS:
+            priors = typed(where, fit, CONTACTS, dict)
+            of_law = columns_of_law(top, typed(top, content, CONTACTS, dict, {}))
+            if not of_law:
+                raise where[CONTACTS].error(
+                    "is for a law in closed form, with parameters of its own"
+                )
+            for inner, prior in priors.items():
+                if inner not in of_law:
+                    raise unknown(where[CONTACTS], inner, of_law)
+                yield f"{CONTACTS}.{inner}", prior, of_law[inner]
+        elif name in PARTS:
+            for part, quantities in typed(where, fit, name, dict).items():
+                key, known = where[name][part], ground.get(name, {})
+                if name == "materials" and part not in known:
+                    hint = f"; did you mean {nearest(part, known)}?" if known else ""
+                    raise key.error(f"is no material of [ground.materials]{hint}")
+                for inner, prior in of_kind(key, quantities, dict).items():
+                    if inner not in columns:
+                        raise unknown(key, inner, columns)
+                    yield f"ground.{name}.{part}.{inner}", prior, columns[inner]
+        elif name in columns:
+            yield f"ground.{name}", fit[name], columns[name]
+        else:
+            raise unknown(where, name, (*columns, *PARTS, CONTACTS, "data_sets"))
 
 
 def _parameter(top: Key, key: str, value, column: InputColumn) -> SlopeParameter:
@@ -222,11 +199,19 @@ def _parameter(top: Key, key: str, value, column: InputColumn) -> SlopeParameter
     return SlopeParameter(key, prior, column)
 
 
-def _merge(into: dict, table: dict) -> None:
-    """Put the priors in place of what [ground] says."""
-    for name, value in table.items():
-        if name in PARTS:
-            for part, quantities in value.items():
-                into.setdefault(name, {}).setdefault(part, {}).update(quantities)
-        else:
-            into[name] = value
+def _with_priors(
+    content: dict, fit: dict, parameters: Iterable[SlopeParameter]
+) -> dict:
+    """Put the priors in place of what a study says; of a contact law, which must have a
+    value for each parameter, their medians."""
+    merged = copy.deepcopy(content)
+    for parameter in parameters:
+        *tables, name = parameter.key.split(".")
+        into, prior = merged, fit
+        for inner in tables:
+            into = into.setdefault(inner, {})
+            prior = prior if inner == "ground" else prior[inner]
+        of_law = tables == [CONTACTS]
+        median = float(parameter.prior.values(ENDS)[1])
+        into[name] = median if of_law else prior[name]
+    return merged

@@ -24,19 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-FOLDS = 5
-"""Number of regressions, each of all data sets but a fifth."""
-MOST_LINEAR, MOST_QUADRATIC = 15, 5
-"""Numbers of principal components of the summaries that are regressed on: linearly, and
-with their products too."""
-RIDGE = 1e-2
-"""Variance that the ridge adds to that of each feature, as a fraction."""
-LEAST_VARIANCE = 1e-8
-"""Variance of a principal component, as a fraction of the largest, below which it is
-rounding."""
-NEAR, LEAST_NEAR = 0.2, 25
-"""Fraction of the data sets that the second step takes, and their least number for each
-coefficient of the mean."""
+FOLDS = 5  # regressions, each of all data sets but a fifth
 TINY = 1e-12
 """Weight or variance that is rounding."""
 
@@ -44,14 +32,10 @@ TINY = 1e-12
 class Pool(NamedTuple):
     """Data sets in coordinates in which the posterior is found."""
 
-    z: np.ndarray
-    """Parameters, mapped to all numbers, `(data sets, parameters)`."""
-    t: np.ndarray
-    """Predicted parameters, `(data sets, parameters)`."""
-    t_observed: np.ndarray
-    """Parameters predicted from the observation, `(parameters,)`."""
-    scale: np.ndarray
-    """Standard deviations of z - t, `(parameters,)`."""
+    z: np.ndarray  # parameters, mapped to all numbers, `(data sets, parameters)`
+    t: np.ndarray  # predicted parameters, `(data sets, parameters)`
+    t_observed: np.ndarray  # parameters predicted from the observation, `(parameters,)`
+    scale: np.ndarray  # standard deviations of z - t, `(parameters,)`
 
     def distance(self, t: np.ndarray) -> np.ndarray:
         """Compute the distance of each data set from t, `(data sets,)`."""
@@ -59,17 +43,13 @@ class Pool(NamedTuple):
 
 
 def make_pool(z: np.ndarray, summaries: np.ndarray, observed: np.ndarray) -> Pool:
-    """Predict the parameters of each data set from its summaries.
-
-    Args:
-        z: parameters `(data sets, parameters)`.
-        summaries: `(data sets, statistics)`, finite.
-        observed: summaries of what was observed, `(statistics,)`.
-    """
+    """Predict the parameters of each data set, `(data sets, parameters)`, from its
+    summaries, `(data sets, statistics)`, all finite."""
     features, of_observed = _features(summaries, observed)
     fold = np.arange(len(z)) % FOLDS  # candidates are random already
     t, t_observed = np.empty_like(z), np.zeros(z.shape[1])
-    penalty = RIDGE * np.eye(features.shape[1])
+    # The ridge adds 1 % to the variance of each feature.
+    penalty = 1e-2 * np.eye(features.shape[1])
     penalty[0, 0] = 0.0
     for i in range(FOLDS):
         x, y = features[fold != i], z[fold != i]
@@ -83,18 +63,19 @@ def make_pool(z: np.ndarray, summaries: np.ndarray, observed: np.ndarray) -> Poo
 def _features(
     summaries: np.ndarray, observed: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Compute principal components and products of the first of them."""
+    """Compute the first 15 principal components, but for those of no variance, and
+    products of the first five."""
     mean, spread = np.mean(summaries, axis=0), np.std(summaries, axis=0)
     varies = spread > TINY * (1.0 + np.abs(mean))
     both = np.vstack([summaries, observed])[:, varies]
     both = (both - mean[varies]) / spread[varies]
     values, vectors = np.linalg.eigh(both[:-1].T @ both[:-1] / len(summaries))
-    chosen = np.argsort(-values)[:MOST_LINEAR]
-    chosen = chosen[values[chosen] > LEAST_VARIANCE * np.max(values, initial=0.0)]
+    chosen = np.argsort(-values)[:15]
+    chosen = chosen[values[chosen] > 1e-8 * np.max(values, initial=0.0)]
     both = both @ vectors[:, chosen] / np.sqrt(values[chosen])
     # Beyond all data sets a quadratic means nothing: take the outermost.
     both[-1] = np.clip(both[-1], np.min(both[:-1], axis=0), np.max(both[:-1], axis=0))
-    first = both[:, :MOST_QUADRATIC]
+    first = both[:, :5]
     i, j = np.triu_indices(first.shape[1])
     products = first[:, i] * first[:, j]
     features = np.column_stack([np.ones(len(both)), both, products])
@@ -104,10 +85,8 @@ def _features(
 def posterior_at(
     pool: Pool, t: np.ndarray, left_out: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Sample the posterior for summaries that predict t.
-
-    Args:
-        left_out: index of a data set that takes no part.
+    """Sample the posterior for summaries that predict t, without the data set of the
+    index `left_out`.
 
     Returns:
         Samples `(samples, parameters)` of z, and their weights `(samples,)`.
@@ -115,8 +94,9 @@ def posterior_at(
     distance = pool.distance(t)
     if left_out is not None:
         distance[left_out] = np.max(distance)
-    least = LEAST_NEAR * (1 + 2 * pool.z.shape[1])
-    count = min(max(int(NEAR * len(distance)), least), len(distance) - 1)
+    # The nearest 20 %, but 25 at least for each coefficient of the mean.
+    least = 25 * (1 + 2 * pool.z.shape[1])
+    count = min(max(int(0.2 * len(distance)), least), len(distance) - 1)
     near = np.argpartition(distance, count)[: count + 1]
     weight = 1.0 - (distance[near] / np.max(distance[near])) ** 2
     # The farthest, and the one left out, have no weight.
@@ -141,25 +121,22 @@ def weighted_quantiles(
     values: np.ndarray, weights: np.ndarray, probabilities
 ) -> np.ndarray:
     """Compute quantiles of weighted samples, `(probabilities, parameters)`."""
-    found = []
+    quantiles = []
     for column in values.T:
         order = np.argsort(column)
         middle = np.cumsum(weights[order]) - 0.5 * weights[order]
-        found.append(np.interp(probabilities, middle, column[order]))
-    return np.stack(found, axis=1)
+        quantiles.append(np.interp(probabilities, middle, column[order]))
+    return np.stack(quantiles, axis=1)
 
 
 def ranks_of_left_out(pool: Pool, count: int) -> np.ndarray:
     """Compute, for the data sets nearest to the observed one, which probability their
-    posterior, found without them, gives to what lies below their true parameters.
+    posterior, found without them, gives to what lies below their true parameters,
+    `(data sets, parameters)`.
 
-    They are uniform where the posterior is right: simulation-based calibration.
-
-    Returns:
-        Probabilities `(data sets, parameters)`.
-
-    Source: Talts et al. (2018), Validating Bayesian inference algorithms with
-    simulation-based calibration.
+    They are uniform where the posterior is right: simulation-based calibration (Talts
+    et al. 2018, Validating Bayesian inference algorithms with simulation-based
+    calibration).
     """
     nearest = np.argsort(pool.distance(pool.t_observed))[:count]
     ranks = []

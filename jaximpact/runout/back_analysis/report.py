@@ -18,28 +18,28 @@ from ..study.barriers import (
     effect_table,
     estimate_table,
 )
-from .observed import ObservedCount, ObservedPassages
+from .observed import ObservedCount
 from .posterior import WIDE, FittedParameter
 from .predictive import RARE, SlopeCalibration
 
 FILES = ("report.html", "fit.json", "samples.csv", "exceedance.csv")
 BARRIER_FILE = "barriers.csv"
-PERCENTILE_KEYS = ("percent", "observed", "low", "median", "high")
 
 
 def write_report(result: SlopeCalibration, new: NewFile) -> None:
-    """Write the files, each whole or not at all.
-
-    Args:
-        new: gives the path of a file by its name.
-
-    Raises OSError where the file system refuses.
-    """
+    """Write the files, each whole or not at all; `new` gives the path of a file by its
+    name. Raises OSError where the file system refuses."""
     write_text(new("report.html"), report(result).page())
     write_text(new("fit.json"), json_text(as_json(result)))
     names = [p.parameter.name for p in result.posterior.fitted]
     write_text(new("samples.csv"), Table(names, result.posterior.values.tolist()).csv())
-    write_text(new("exceedance.csv"), _exceedance(result).csv())
+    exceedance = [
+        (c.place, c.quantity, *numbers)
+        for c in result.predicted.curves
+        for numbers in zip(c.values, c.share, c.low, c.high, strict=True)
+    ]
+    columns = ("x_m", "quantity", "value", "share", "low", "high")
+    write_text(new("exceedance.csv"), Table(columns, exceedance).csv())
     if barriers := result.predicted.barriers:
         write_text(new(BARRIER_FILE), estimate_table(barriers).csv())
 
@@ -68,44 +68,54 @@ def report(result: SlopeCalibration) -> Document:
     ]
     channels = [
         Picture(
-            partial(drawing.draw_channel, channel),
-            f"Observed and predicted {channel.channel.words}",
-            f"{channel.channel.words}: observed, and 95 % of predicted data sets of "
+            partial(drawing.draw_channel, prediction),
+            f"Observed and predicted {prediction.channel.words}",
+            f"{prediction.channel.words}: observed, and 95 % of predicted data sets of "
             "the same size.",
         )
-        for channel in predicted.channels
+        for prediction in predicted.channels
     ]
     answer: list[Part] = [
         Box("verdict", verdict),
         Box("warning", ["Warnings", *warnings]) if warnings else None,
         *channels[:1],
     ]
-    sections = [
+    names = [p.parameter.name for p in posterior.fitted]
+    correlations = [
+        (name, *(f"{value:.2f}" for value in row))
+        for name, row in zip(names, posterior.correlation, strict=True)
+    ]
+    parameters = [
+        _parameters(posterior.fitted),
+        "Width is that of the 95 % interval as a fraction of the prior's, both as "
+        f"probabilities under the prior; from {WIDE:g} on the observations do not "
+        "determine a parameter.",
+        marginals,
         ReportSection(
-            "Parameters",
+            "Correlation of ranks",
+            [Table(("", *names), correlations if len(names) > 1 else [])],
+        ),
+    ]
+    intervals = [
+        f"The {posterior.left_out} data sets most like the observed one were each "
+        "fitted by the others, as if they had been observed. The table says how many "
+        "of their true parameters lie in the intervals.",
+        Table(
+            ("parameter", "in the 68 % interval", "in the 95 % interval"),
             [
-                _parameters(posterior.fitted),
-                "Width is that of the 95 % interval as a fraction of the prior's, both "
-                f"as probabilities under the prior; from {WIDE:g} on the observations "
-                "do not determine a parameter.",
-                marginals,
-                ReportSection("Correlation of ranks", [_correlation(result)]),
+                (p.parameter.name, f"{p.coverage_68:.0%}", f"{p.coverage_95:.0%}")
+                for p in posterior.fitted
             ],
         ),
+    ]
+    sections = [
+        ReportSection("Parameters", parameters),
         ReportSection(
             "Observed and predicted", [_check(result), _channels(result), channels]
         ),
         ReportSection("Barriers", _barriers(result)),
         ReportSection("Exceedance", _curves(result)),
-        ReportSection(
-            "Are the intervals right?",
-            [
-                f"The {posterior.left_out} data sets most like the observed one were "
-                "each fitted by the others, as if they had been observed. The table "
-                "says how many of their true parameters lie in the intervals.",
-                _coverage(posterior.fitted),
-            ],
-        ),
+        ReportSection("Are the intervals right?", intervals),
         ReportSection("How it was found, and what it assumes", [_how(result)]),
         ReportSection("Computed from", [_origin(result)]),
     ]
@@ -162,15 +172,6 @@ def _parameters(fitted: tuple[FittedParameter, ...]) -> Table:
     return Table((*columns, "verdict"), rows)
 
 
-def _correlation(result: SlopeCalibration) -> Table:
-    names = [p.parameter.name for p in result.posterior.fitted]
-    rows = [
-        (name, *(f"{value:.2f}" for value in row))
-        for name, row in zip(names, result.posterior.correlation, strict=True)
-    ]
-    return Table(("", *names), rows if len(names) > 1 else [])
-
-
 def _check(result: SlopeCalibration) -> str:
     check = result.predicted.check
     return (
@@ -185,8 +186,7 @@ def _channels(result: SlopeCalibration) -> Table:
     rows = []
     for prediction in result.predicted.channels:
         channel = prediction.channel
-        held_out = isinstance(channel, ObservedPassages) and channel.held_out
-        first = (channel.words + ", held out" * held_out, channel.blocks)
+        first = (channel.words + ", held out" * channel.held_out, channel.blocks)
         for percent, observed, low, middle, high in prediction.percentiles():
             inside = "inside" if low <= observed <= high else "outside"
             interval = interval_text(low, high)
@@ -243,14 +243,6 @@ def _curves(result: SlopeCalibration) -> list[Part]:
     ]
 
 
-def _coverage(fitted: tuple[FittedParameter, ...]) -> Table:
-    rows = [
-        (p.parameter.name, f"{p.coverage_68:.0%}", f"{p.coverage_95:.0%}")
-        for p in fitted
-    ]
-    return Table(("parameter", "in the 68 % interval", "in the 95 % interval"), rows)
-
-
 def _how(result: SlopeCalibration) -> list[str]:
     fit, searched = result.fit, result.searched
     law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].description.items())
@@ -291,60 +283,48 @@ def _checksums(result: SlopeCalibration) -> dict[str, str]:
 def as_json(result: SlopeCalibration) -> dict:
     """Collect every number, as a tree of plain values."""
     fit, posterior, predicted = result.fit, result.posterior, result.predicted
-    smoothing = fit.slope.layout.smoothing
+    parameters = {
+        p.parameter.name: {
+            "median": p.median,
+            "interval_95": [p.low, p.high],
+            "prior_95": [p.prior_low, p.prior_high],
+            "width_ratio": p.ratio,
+            "determined": p.determined,
+            "coverage_68": p.coverage_68,
+            "coverage_95": p.coverage_95,
+        }
+        for p in posterior.fitted
+    }
+    keys = ("percent", "observed", "low", "median", "high")
+    held_out = [
+        {
+            "x_m": p.channel.place,
+            "quantity": p.channel.quantity,
+            "blocks": p.channel.blocks,
+            "percentiles": [dict(zip(keys, r, strict=True)) for r in p.percentiles()],
+        }
+        for p in predicted.channels
+        if p.channel.held_out
+    ]
+    manifest = {
+        "files": _checksums(result),
+        "versions": versions() | {"numpy": np.__version__},
+        "seed": fit.slope.seed,
+        "contacts": fit.slope.laws[0].description,
+        "priors": {p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters},
+        "rounds": result.searched.volumes,
+        "data_sets": result.searched.simulated,
+        "blocks_each": fit.observed.released,
+    }
+    if smoothing := fit.slope.layout.smoothing:
+        manifest["profile"] = smoothing
     return {
         "title": fit.title,
-        "parameters": {
-            p.parameter.name: {
-                "median": p.median,
-                "interval_95": [p.low, p.high],
-                "prior_95": [p.prior_low, p.prior_high],
-                "width_ratio": p.ratio,
-                "determined": p.determined,
-                "coverage_68": p.coverage_68,
-                "coverage_95": p.coverage_95,
-            }
-            for p in posterior.fitted
-        },
+        "parameters": parameters,
         "correlation": posterior.correlation,
         "model_check": predicted.check._asdict() | {"needed": RARE},
         "barriers": barriers_in_json(predicted.barriers),
-        "held_out": [
-            {
-                "x_m": p.channel.place,
-                "quantity": p.channel.quantity,
-                "blocks": p.channel.blocks,
-                "percentiles": [
-                    dict(zip(PERCENTILE_KEYS, row, strict=True))
-                    for row in p.percentiles()
-                ],
-            }
-            for p in predicted.channels
-            if isinstance(p.channel, ObservedPassages) and p.channel.held_out
-        ],
+        "held_out": held_out,
         "warnings": warnings_of(result),
-        "manifest": {
-            "files": _checksums(result),
-            "versions": versions() | {"numpy": np.__version__},
-            "seed": fit.slope.seed,
-            "contacts": fit.slope.laws[0].description,
-            **({"profile": smoothing} if smoothing else {}),
-            "priors": {
-                p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters
-            },
-            "rounds": result.searched.volumes,
-            "data_sets": result.searched.simulated,
-            "blocks_each": fit.observed.released,
-        },
+        "manifest": manifest,
     }
-
-
-def _exceedance(result: SlopeCalibration) -> Table:
-    rows = [
-        (curve.place, curve.quantity, *numbers)
-        for curve in result.predicted.curves
-        for numbers in zip(
-            *(curve.values, curve.share, curve.low, curve.high), strict=True
-        )
-    ]
-    return Table(("x_m", "quantity", "value", "share", "low", "high"), rows)

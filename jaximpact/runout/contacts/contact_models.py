@@ -76,22 +76,18 @@ class ClosedForm:
         """Select the parameters of some blocks."""
         leaves, structure = jax.tree.flatten(self.law)
         # By NumPy: JAX would compile its indexing anew for each number of blocks.
-        own = [np.asarray(leaf)[blocks] if np.ndim(leaf) else leaf for leaf in leaves]
-        return ClosedForm(jax.tree.unflatten(structure, own))
+        chosen = [
+            np.asarray(leaf)[blocks] if np.ndim(leaf) else leaf for leaf in leaves
+        ]
+        return ClosedForm(jax.tree.unflatten(structure, chosen))
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
         after = _rebound(self.law, block, impact)
-        return ImpactResponses(_without_duration(after), _outcome_of(after))
-
-
-def _without_duration(after: Rebound) -> ImpactResponse:
-    nothing = np.zeros_like(after.normal_velocity)
-    return ImpactResponse(*after, duration=nothing, rotation=nothing, sinking=nothing)
-
-
-def _outcome_of(after: Rebound) -> np.ndarray:
-    finite = np.logical_and.reduce([np.isfinite(values) for values in after])
-    return np.where(finite, int(Outcome.detached), int(Outcome.failed))
+        zero = np.zeros_like(after.normal_velocity)
+        response = ImpactResponse(*after, duration=zero, rotation=zero, sinking=zero)
+        finite = np.all(np.isfinite(after), axis=0)
+        outcome = np.where(finite, int(Outcome.detached), int(Outcome.failed))
+        return ImpactResponses(response, outcome)
 
 
 @closed_form
@@ -107,9 +103,11 @@ def _rebound(law, block: Block, impact: Impact) -> Rebound:
         ) from error
     shapes = jax.tree.map(jnp.shape, after)
     if not isinstance(after, tuple) or tuple(shapes) != ((), (), ()):
-        told = f"shapes {shapes}" if isinstance(after, tuple) else type(after).__name__
+        returned = (
+            f"shapes {shapes}" if isinstance(after, tuple) else type(after).__name__
+        )
         raise InputError(
             f"the law {name} must return Rebound(normal_velocity, tangential_velocity, "
-            f"angular_velocity), three scalars, but returned {told}"
+            f"angular_velocity), three scalars, but returned {returned}"
         )
     return Rebound(*(jnp.asarray(value, float) for value in after))

@@ -28,7 +28,7 @@ from ..centre_path import CentrePath
 from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Values, closed_form
 from ..state import (
-    UNDER_WAY,
+    NONE,
     BlockConstants,
     BlockState,
     Limits,
@@ -45,7 +45,6 @@ from .plane_contact import (
     PlaneContact,
     PostImpact,
     Settled,
-    Touch,
     impact_of,
     on_footprint,
     settle,
@@ -55,8 +54,6 @@ from .roughness import lift_off_facet, strike_facets
 
 NO_IMPACT = -1
 """Outcome of a touch that is too slow to be an impact."""
-NO_ENERGY = 1e-9
-"""Part of a block's kinetic energy that is rounding."""
 IN_THE_GROUND = 1e-6
 """Depth of a block in a segment, as a fraction of its smaller semi-axis, from which on
 that segment is behind or above it."""
@@ -65,18 +62,17 @@ that segment is behind or above it."""
 def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
     """Compute the contacts of blocks with the ground, and how the blocks continue.
 
-    A block touches a segment, or strikes a facet where the ground is rough. The contact
-    model gives its velocities after; what it costs to climb out of the ground is taken
-    from them. During the contact it travels along the plane until other ground is in
-    its way, up-slope at most as far as the energy reaches that the contact took. Then
-    it flies on, moves along the ground, or has stopped.
+    A block touches a segment, or strikes a facet where the ground is rough. What it
+    costs to climb out of the ground is taken from its velocities after the contact.
+    During the contact it travels along the plane until other ground is in its way,
+    up-slope at most as far as the energy reaches that the contact took. Then it flies
+    on, moves along the ground, or has stopped.
     """
     blocks, constants = select((state.blocks, state.constants), lanes)
     blocks = on_footprint(state.profile, blocks, constants)
     segment = blocks.segment.astype(int)
-    touched = touch(blocks, constants)
-    struck = touched.contact
-    is_impact = struck.closing >= touched.slow
+    struck = touched = touch(blocks, constants)
+    is_impact = touched.closing >= touched.slow
     rough = is_impact & (state.roughness[lanes, segment] > 0.0)
     turn = np.zeros(len(lanes))
     if np.any(rough):
@@ -115,12 +111,9 @@ def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
 def _falling(
     path: CentrePath, after: BlockState, constants: BlockConstants, lasts: np.ndarray
 ) -> BlockState:
-    """Let blocks fly that a contact carried past the end of the plane that they struck,
-    and that touch no ground there; they keep their velocities along the plane.
-
-    Args:
-        lasts: durations of the contacts [s].
-    """
+    """Let blocks fly that a contact, which lasts some time [s], carried past the end of
+    the plane that they struck, and that touch no ground there; they keep their
+    velocities along the plane."""
     stays = (after.phase == Phase.grounded) | (after.ending == Ending.stopped)
     staying = np.flatnonzero(stays & (lasts > 0.0))
     if not len(staying):
@@ -136,7 +129,7 @@ def _falling(
     along = block.direction * speed
     flying = block._replace(
         phase=np.full(len(staying), float(Phase.airborne)),
-        ending=np.full(len(staying), UNDER_WAY),
+        ending=np.full(len(staying), NONE),
     ).moved(
         v_x=along * block.normal_y,
         v_y=-along * block.normal_x,
@@ -155,19 +148,22 @@ def _respond(
     contacts: Contacts,
 ) -> tuple[ImpactResponse, np.ndarray]:
     """Ask the contact model; a touch without impact leaves the velocities alone."""
-    response, outcome = _as_before(struck), np.full(len(lanes), NO_IMPACT)
+    before = struck.normal_velocity, struck.tangential_velocity, struck.angular_velocity
+    nothing = (np.zeros_like(struck.closing) for _ in range(3))
+    response = ImpactResponse(*(velocity.copy() for velocity in before), *nothing)
+    outcome = np.full(len(lanes), NO_IMPACT)
     if np.any(is_impact):
         striking = lanes[is_impact]
         if isinstance(contacts, ClosedForm):
             contacts = contacts.at(striking)
         segment = state.blocks.segment[striking].astype(int)
-        found = contacts(
+        responses = contacts(
             select(state.release.block, striking),
             select(state.ground.soil, (striking, segment)),
             impact_of(select(struck, is_impact)),
         )
-        put(response, is_impact, found.response)
-        outcome[is_impact] = found.outcome
+        put(response, is_impact, responses.response)
+        outcome[is_impact] = responses.outcome
     return response, outcome
 
 
@@ -180,8 +176,7 @@ def _held_up(
 ) -> Settled:
     """Keep blocks that are set back out of the ground from being set back into other
     ground, as between walls: their inscribed circle stays out of it."""
-    smallest = outline.smallest
-    lanes = np.flatnonzero(blocks.gap < -IN_THE_GROUND * smallest)
+    lanes = np.flatnonzero(blocks.gap < -IN_THE_GROUND * outline.smallest)
     if not len(lanes):
         return settled
     body, now = select((blocks.body, settled), lanes)
@@ -196,20 +191,10 @@ def _held_up(
         orientation=None,
         travel=rise,
     )
-    x, y = settled.x.copy(), settled.y.copy()
-    held = free < 1.0
-    x[lanes[held]] = (body.x + free * rise[0])[held]
-    y[lanes[held]] = (body.y + free * rise[1])[held]
+    x, y, stuck = settled.x.copy(), settled.y.copy(), free < 1.0
+    x[lanes[stuck]] = (body.x + free * rise[0])[stuck]
+    y[lanes[stuck]] = (body.y + free * rise[1])[stuck]
     return settled._replace(x=x, y=y)
-
-
-def _as_before(struck: PlaneContact) -> ImpactResponse:
-    return ImpactResponse(
-        struck.normal_velocity.copy(),
-        struck.tangential_velocity.copy(),
-        struck.angular_velocity.copy(),
-        *(np.zeros_like(struck.closing) for _ in range(3)),
-    )
 
 
 def free_fraction(
@@ -222,10 +207,9 @@ def free_fraction(
     orientation: np.ndarray | None,
     travel: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
-    """Compute the fraction of its travel during a contact that a block can make.
-
-    The travel ends where the block comes to the line of another segment, which is
-    before it comes to the segment.
+    """Compute the fraction, in [0, 1], of its travel during a contact that a block can
+    make: until it comes to the line of another segment, which is before it comes to the
+    segment.
 
     Args:
         segment: the segment that is struck, which is not in the way.
@@ -233,9 +217,6 @@ def free_fraction(
         x, y, orientation: the block after the contact, without its travel; with no
             orientation, it is its inscribed circle that has to stay free.
         travel: travel along x and y [m].
-
-    Returns:
-        Fractions in [0, 1], `(lanes,)`.
     """
     fraction = np.ones(len(x))
     moving = np.flatnonzero((travel[0] != 0.0) | (travel[1] != 0.0))
@@ -250,7 +231,7 @@ def free_fraction(
         reach = smallest[lanes]
         if orientation is not None:
             turned = theta[lanes] - profile.slope[place]
-            reach = support_of(select(outline, lanes), turned).radius
+            reach, _ = support_of(select(outline, lanes), turned)
         height = normal_x[place] * (x[lanes] - profile.x[place])
         height += normal_y[place] * (y[lanes] - profile.y[place])
         return height - reach
@@ -280,21 +261,17 @@ def free_fraction(
 class Seen(NamedTuple):
     """Facts of a contact that NumPy finds, outside the programs."""
 
-    is_impact: Values
-    """1 for an impact, 0 for a touch too slow to be one."""
-    turn: Values
-    """Angle of the facet from the segment [rad]; 0 where none is struck."""
-    outcome: Values
-    """Code of `Outcome`, or -1 for no impact."""
-    free: Values
-    """Fraction of its travel during the contact that the block can make."""
+    is_impact: Values  # 1 for an impact, 0 for a touch too slow to be one
+    turn: Values  # angle of the facet from the segment [rad]; 0 where none is struck
+    outcome: Values  # code of `Outcome`, or -1 for no impact
+    free: Values  # fraction of its travel during the contact that the block can make
 
 
 @closed_form
 def depart(
     block: BlockState,
     constants: BlockConstants,
-    touched: Touch,
+    touched: PlaneContact,
     struck: PlaneContact,
     response: ImpactResponse,
     settled: Settled,
@@ -315,7 +292,7 @@ def depart(
         The block; the record of the contact; and the contact as a piece of the
         trajectory, of no meaning where it takes no time.
     """
-    slope, turned = touched.contact.slope, seen.turn != 0.0
+    slope, turned = touched.slope, seen.turn != 0.0
     after, x, y, lacks, free = _travelled(block, constants, struck, settled, seen.free)
     on = Continuation(
         x=x,
@@ -384,9 +361,9 @@ def _travelled(
 
     begun, kinetic = kinetic_of(struck), kinetic_of(after)
     rise_y, up = settled.y - block.body.y, weight * settled.along_y
-    taken = jnp.maximum(begun - kinetic - weight * rise_y, 0.0)
-    ends = up > taken + NO_ENERGY * begun
-    most = jnp.where(ends, taken / jnp.where(ends, up, 1.0), 1.0)
+    dissipated = jnp.maximum(begun - kinetic - weight * rise_y, 0.0)
+    ends = up > dissipated + 1e-9 * begun  # but for rounding
+    most = jnp.where(ends, dissipated / jnp.where(ends, up, 1.0), 1.0)
     free = jnp.minimum(free, most)
     lost = weight * jnp.maximum((free - 1.0) * settled.along_y, 0.0)
     left = jnp.maximum(kinetic - lost, 0.0)
@@ -459,15 +436,6 @@ def _recorded(
     return record, piece
 
 
-def _to_slope(
-    motion: ImpactResponse | PostImpact, slope: Values
-) -> tuple[Values, Values]:
-    """Turn velocities from the frame of a plane to x and y."""
-    v_n, v_t = motion.normal_velocity, motion.tangential_velocity
-    sin, cos = jnp.sin(slope), jnp.cos(slope)
-    return v_t * cos - v_n * sin, -v_t * sin - v_n * cos
-
-
 def _continued(
     block: BlockState,
     constants: BlockConstants,
@@ -479,14 +447,15 @@ def _continued(
     rolling_friction: Values,
 ) -> BlockState:
     """Let a block fly on, move along the ground, or end."""
-    v_x, v_y = _to_slope(after, struck.slope)
+    v_n, v_t = after.normal_velocity, after.tangential_velocity
+    sin, cos = jnp.sin(struck.slope), jnp.cos(struck.slope)
     flies = block._replace(
         phase=jnp.full_like(block.phase, float(Phase.airborne))
     ).moved(
         x=on.x,
         y=on.y,
-        v_x=v_x,
-        v_y=v_y,
+        v_x=v_t * cos - v_n * sin,
+        v_y=-v_t * sin - v_n * cos,
         orientation=after.orientation + struck.slope,
         angular_velocity=after.angular_velocity,
     )

@@ -28,31 +28,21 @@ from ..ground_motion.rolling import SMALL_RISE
 from ..lane_programs import Values
 from ..random_inputs import key_of, uniforms_at
 from ..state import BlockConstants, RunState
-from .plane_contact import Continuation, PlaneContact, PostImpact, Touch, touch_facet
+from .plane_contact import Continuation, PlaneContact, PostImpact, touch_facet
 
 CUT = 3.0
-"""Number of standard deviations at which the distribution is truncated."""
-STEEPEST_FACET = np.radians(85.0)
-"""Facets steeper than this, and than their segment, are rejected [rad]."""
-ATTEMPTS = 32
-"""Number of facets sampled for an impact; then it strikes the segment. Nearly half of
-all facets face even a block that grazes the ground."""
-STREAM = "roughness"
+"""Number of standard deviations at which the distribution of angles is truncated."""
 
 
 def strike_facets(
     state: RunState,
     lanes: np.ndarray,
-    touched: Touch,
+    touched: PlaneContact,
     struck: PlaneContact,
     rough: np.ndarray,
 ) -> np.ndarray:
-    """Sample the facets that impacts strike.
-
-    Args:
-        touched: contacts with the segments that the blocks touch.
-        struck: contacts with what they strike, written to.
-        rough: which of the blocks strike rough ground.
+    """Sample the facets that impacts on rough ground strike, and write the contacts
+    with them to `struck`.
 
     Returns:
         Angles of the facets from the segments [rad], `(lanes,)`; 0 for a block that
@@ -60,23 +50,27 @@ def strike_facets(
     """
     block = state.blocks
     deviation = state.roughness[lanes, block.segment[lanes].astype(int)]
-    slope, slow = touched.contact.slope, touched.slow
+    slope, slow = touched.slope, touched.slow
     turned = np.zeros(len(lanes))
     open_yet = np.flatnonzero(rough)
-    key = key_of(state.seed, STREAM)
-    for attempt in range(ATTEMPTS):
+    key = key_of(state.seed, "roughness")
+    low, high = ndtr(-CUT), ndtr(CUT)
+    # Nearly half of all facets face even a block that grazes the ground: one that finds
+    # none of 32 strikes the segment.
+    for attempt in range(32):
         if not len(open_yet):
             break
-        some = lanes[open_yet]
-        number = state.numbers[some]
+        blocks = lanes[open_yet]
+        number = state.numbers[blocks]
         uniform = uniforms_at(
-            [block.impacts[some], attempt, number & 0xFFFFFFFF, number >> 32], key
+            [block.impacts[blocks], attempt, number & 0xFFFFFFFF, number >> 32], key
         )
-        turn = deviation[open_yet] * _truncated_normal(uniform)
+        turn = deviation[open_yet] * ndtri(low + (high - low) * uniform)
         facet = touch_facet(
-            *select((block, state.constants), some), slope[open_yet], turn
+            *select((block, state.constants), blocks), slope[open_yet], turn
         )
-        steepest = np.maximum(STEEPEST_FACET, np.abs(slope[open_yet]))
+        # Not steeper than both 85 degrees and the segment.
+        steepest = np.maximum(np.radians(85.0), np.abs(slope[open_yet]))
         good = np.abs(slope[open_yet] + turn) <= steepest
         good &= facet.closing >= slow[open_yet]
         put(struck, open_yet[good], select(facet, good))
@@ -85,35 +79,23 @@ def strike_facets(
     return turned
 
 
-def _truncated_normal(uniform: np.ndarray) -> np.ndarray:
-    """Transform uniform numbers to standard normal ones between -CUT and CUT."""
-    low, high = ndtr(-CUT), ndtr(CUT)
-    return ndtri(low + (high - low) * uniform)
-
-
 def lift_off_facet(
     constants: BlockConstants,
-    touched: Touch,
+    touched: PlaneContact,
     struck: PlaneContact,
     gap: Values,
     after: PostImpact,
     on: Continuation,
 ) -> tuple[PostImpact, Continuation]:
-    """Set a block that a facet left in its segment back on it.
-
-    Args:
-        touched: contact with the segment.
-        struck, after: contact with the facet at touch, and the block on it after.
-        gap: gap at touch [m].
-        on: the block as the facet leaves it.
-    """
+    """Set a block that a facet left in its segment back on it, given its gap at touch
+    [m], and the block on the facet after the contact and as it leaves it."""
     outline, (mass, inertia) = constants.outline, constants.mass_properties
-    contact, slow = touched
-    turn = struck.slope - contact.slope
+    slope, slow = touched.slope, touched.slow
+    turn = struck.slope - slope
     sin, cos = jnp.sin(turn), jnp.cos(turn)
     theta = after.orientation + turn
     before, _ = support(
-        outline, jnp.sin(contact.orientation), jnp.cos(contact.orientation)
+        outline, jnp.sin(touched.orientation), jnp.cos(touched.orientation)
     )
     radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     over = gap + before - radius + after.rise * cos - after.travel * sin
@@ -121,7 +103,7 @@ def lift_off_facet(
     v_n, v_t = after.normal_velocity, after.tangential_velocity
     spin = after.angular_velocity
     kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
-    left = kinetic - mass * GRAVITY * jnp.cos(contact.slope) * depth
+    left = kinetic - mass * GRAVITY * jnp.cos(slope) * depth
     kept = left / jnp.where(kinetic > 0.0, kinetic, 1.0)
     fraction = jnp.sqrt(jnp.maximum(kept, 0.0))
     climbs = (left > 0.0) | (depth == 0.0)
@@ -131,8 +113,8 @@ def lift_off_facet(
     leaves |= fraction * (rising - arm * spin) >= slow
     leaves |= over > SMALL_RISE * outline.smallest
     lifted = Continuation(
-        x=on.x + lift * jnp.sin(contact.slope),
-        y=on.y + lift * jnp.cos(contact.slope),
+        x=on.x + lift * jnp.sin(slope),
+        y=on.y + lift * jnp.cos(slope),
         orientation=theta,
         tangential_velocity=fraction * (v_t * cos - v_n * sin),
         over=over,

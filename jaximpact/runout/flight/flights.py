@@ -18,36 +18,23 @@ from ...backend.simd.tables import address_of
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, fly, select
 from ..lane_programs import Values, closed_form
-from ..state import UNDER_WAY, BlockState, Phase, RunState
+from ..state import NONE, BlockState, Phase, RunState
 from ..terrain import Profile
 from ..trajectory import Ending, MotionMode, Pieces
 from .ground_search import first_contact
 from .narrow_phase import NEVER, Piece
 from .time_of_impact import search
 
-FAR = Piece(1e9, 0.0, 2e9, 0.0)
-"""Placeholder that is never reached, where a search watches fewer segments."""
 FEW = 64
 """Number of segments of a profile up to which all are looked at."""
-WATCHED = 2, 4
-"""Numbers of segments to watch: those at both sides of a break, or more. There is a
-program for each, whose compilation takes longer the more they are."""
-CACHED = 2**15
-"""Number of lanes times segments at once, for which the processor's caches have
-room."""
-AHEAD = 0.5
-"""Fraction of its size that a block moves before it has to watch other segments."""
 
 
 class NearSegments(NamedTuple):
     """Segments that a search has to watch."""
 
-    pieces: tuple[Piece, ...]
-    """Ends of the segments, each an array `(lanes,)`."""
-    segments: np.ndarray
-    """Numbers of the segments, `(lanes, pieces)`; -1 where there is none."""
-    until: np.ndarray
-    """Time from which other segments might be reached [s], `(lanes,)`."""
+    pieces: tuple[Piece, ...]  # ends of the segments, each an array `(lanes,)`
+    segments: np.ndarray  # numbers, `(lanes, pieces)`; -1 for none
+    until: np.ndarray  # time from which other segments might be reached [s], `(lanes,)`
 
 
 def watched_segments(
@@ -55,9 +42,6 @@ def watched_segments(
 ) -> Iterator[tuple[np.ndarray, NearSegments | None]]:
     """Choose the segments that each lane has to watch to move by a good part of its
     size.
-
-    Args:
-        body, largest: as for `earliest`.
 
     Yields:
         Which of the lanes have to watch as many, bool `(lanes,)`, and their segments;
@@ -67,9 +51,14 @@ def watched_segments(
         yield np.ones(len(body.x), bool), None
         return
     times = earliest(body, largest, profile)
-    in_reach = _count_in_reach(body, largest, times)
+    # Until it has moved by half its size.
+    speed = np.abs(body.v_x) + np.abs(body.v_y) + np.sqrt(GRAVITY * largest)
+    horizon = 0.5 * largest / speed
+    in_reach = np.count_nonzero(times <= horizon[:, None], axis=1)
     fewest = 0
-    for count in WATCHED:
+    # The segments at both sides of a break, or more. There is a program for each
+    # number, whose compilation takes longer the more they are.
+    for count in (2, 4):
         chosen = (in_reach >= fewest) & (in_reach < count)
         if np.any(chosen):
             yield chosen, _nearest_segments(times[chosen], count, profile)
@@ -79,13 +68,10 @@ def watched_segments(
 
 
 def earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
-    """Compute times before which segments cannot be reached [s], `(lanes, segments)`.
-
-    Args:
-        body: blocks in flight, arrays `(lanes,)`.
-        largest: radius of the circumscribed circle [m].
-    """
-    lanes = max(1, CACHED // profile.segments)
+    """Compute times before which blocks in flight cannot reach segments [s], `(lanes,
+    segments)`, given the radii of their circumscribed circles [m]."""
+    # As many lanes at once as the processor's caches have room for.
+    lanes = max(1, 2**15 // profile.segments)
     starts = range(0, len(body.x), lanes)
     parts = (slice(start, start + lanes) for start in starts)
     times = [_earliest(select(body, part), largest[part], profile) for part in parts]
@@ -118,14 +104,6 @@ def _earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
     return np.where(reached, np.maximum(times * (1.0 - 1e-12) - 1e-12, 0.0), NEVER)
 
 
-def _count_in_reach(body: Body, largest: Values, times: np.ndarray) -> np.ndarray:
-    """Count the segments that each lane can reach before it has moved by a good part of
-    its size."""
-    speed = np.abs(body.v_x) + np.abs(body.v_y) + np.sqrt(GRAVITY * largest)
-    horizon = AHEAD * largest / speed
-    return np.count_nonzero(times <= horizon[:, None], axis=1)
-
-
 def _nearest_segments(times: np.ndarray, count: int, profile: Profile) -> NearSegments:
     """Choose the segments that can be reached first, at these times."""
     if count >= profile.segments:
@@ -137,12 +115,12 @@ def _nearest_segments(times: np.ndarray, count: int, profile: Profile) -> NearSe
         until = np.take_along_axis(times, nearest[:, count : count + 1], axis=1)[:, 0]
         order = np.sort(nearest[:, :count], axis=1)
     pieces = []
+    never_reached = 1e9, 0.0, 2e9, 0.0
     for segment in order.T:
         x, y, there = profile.x, profile.y, segment >= 0
         ends = x[segment], y[segment], x[segment + 1], y[segment + 1]
-        pieces.append(
-            Piece(*(np.where(there, a, b) for a, b in zip(ends, FAR, strict=True)))
-        )
+        ends = zip(ends, never_reached, strict=True)
+        pieces.append(Piece(*(np.where(there, a, b) for a, b in ends)))
     return NearSegments(tuple(pieces), order, until)
 
 
@@ -150,30 +128,20 @@ class FlightEnd(NamedTuple):
     """End of a flight, as the search finds it; of many, arrays `(lanes,)`. In programs
     truths are 1 and 0."""
 
-    time: Values
-    """Duration of the flight [s]."""
-    touched: Values
-    """True where the block touches the ground."""
-    left: Values
-    """True where the centre passes an end of the profile."""
-    failed: Values
-    """True where the search was given up."""
-    segment: Values
-    """Number of the segment touched, else -1."""
-    normal_x: Values
-    """Normal out of the ground at the contact; 0 for none."""
+    time: Values  # duration of the flight [s]
+    touched: Values  # true where the block touches the ground
+    left: Values  # true where the centre passes an end of the profile
+    failed: Values  # true where the search was given up
+    segment: Values  # number of the segment touched, else -1
+    normal_x: Values  # normal out of the ground at the contact; 0 for none
     normal_y: Values
-    gap: Values
-    """Gap at the contact [m]; negative where the block started in the ground."""
+    gap: Values  # at the contact [m]; negative for a start in the ground
 
 
 @closed_form
 def land(block: BlockState, end: FlightEnd) -> tuple[BlockState, Pieces]:
-    """End a flight: the block touches the ground, or has ended.
-
-    Returns:
-        The block, and the flight.
-    """
+    """End a flight: the block touches the ground, or has ended. Gives the block, and
+    the flight."""
     body, touched = block.body, end.touched > 0.0
     flight = Pieces(
         0.0, MotionMode.flight, block.time, end.time, *body[:4], 0.0, -GRAVITY,
@@ -185,7 +153,7 @@ def land(block: BlockState, end: FlightEnd) -> tuple[BlockState, Pieces]:
         time=block.time + end.time,
         body=fly(body, end.time),
         phase=jnp.where(touched, float(Phase.touching), float(Phase.ended)),
-        ending=jnp.where(touched, UNDER_WAY, ending),
+        ending=jnp.where(touched, NONE, ending),
         segment=end.segment,
         normal_x=end.normal_x,
         normal_y=end.normal_y,
@@ -194,19 +162,10 @@ def land(block: BlockState, end: FlightEnd) -> tuple[BlockState, Pieces]:
     return landed, flight
 
 
-TURNS = 100_000
-"""Number of searches, each with other segments, after which a flight is given up."""
-
-
 def follow_flights(
     body: Body, outline: BlockOutline, profile: Profile, time_limit: np.ndarray
 ) -> FlightEnd:
-    """Find where flights end.
-
-    Args:
-        body, outline: blocks at the start, arrays `(lanes,)`.
-        profile: the ground.
-        time_limit: longest flight to follow [s], `(lanes,)`.
+    """Find where flights end, of time limits [s], arrays `(lanes,)`.
 
     A flight that ends neither in a contact nor at an end of the profile, nor fails, has
     come to the limit. A lane's end does not depend on the other lanes.
@@ -225,13 +184,14 @@ def follow_flights(
     leaving = _time_to_leave(body, profile)
     limit = np.minimum(leaving, time_limit)
     going = np.arange(count)
-    for _ in range(TURNS):
+    # Searches, each with other segments, after which a flight is given up.
+    for _ in range(100_000):
         if not len(going):
             break
         now = fly(select(body, going), ends.time[going])
         for chosen, watched in watched_segments(now, outline.largest[going], profile):
-            lanes, some = going[chosen], select(now, chosen)
-            _search(ends, lanes, some, outline, profile, watched, limit)
+            lanes, flying = going[chosen], select(now, chosen)
+            _search(ends, lanes, flying, outline, profile, watched, limit)
         going = going[~(ends.touched | ends.failed)[going] & (ends.time < limit)[going]]
     ends.failed[going] = True
     free = ~(ends.touched | ends.failed)
@@ -259,27 +219,27 @@ def _search(
     those, to their ends."""
     left = limit[lanes] - ends.time[lanes]
     size = np.maximum(np.abs(now.y), profile.size)
-    own = select(outline, lanes)
+    outline = select(outline, lanes)
     if watched is None:
         # A name of its own, so that the table lives as long as the search.
         until, covers = left, profile.covers
-        found = first_contact(now, own, address_of(covers), size, until)
-        segments = found.number.astype(int)
+        contact = first_contact(now, outline, address_of(covers), size, until)
+        segments = contact.number.astype(int)
     else:
         until = np.minimum(watched.until, left)
-        found = search(now, own, watched.pieces, size, until)
-        place = found.number.astype(int)
+        contact = search(now, outline, watched.pieces, size, until)
+        place = contact.number.astype(int)
         segments = watched.segments[np.arange(len(lanes)), place]
-    touched = found.touched > 0.0
-    ends.failed[lanes] = found.given_up > 0.0
+    touched = contact.touched > 0.0
+    ends.failed[lanes] = contact.given_up > 0.0
     # Where the search came to its limit, time must come to it too.
-    to_limit = ~touched & (until == left) & (found.time >= until)
-    ends.time[lanes] = np.where(to_limit, limit[lanes], ends.time[lanes] + found.time)
+    to_limit = ~touched & (until == left) & (contact.time >= until)
+    ends.time[lanes] = np.where(to_limit, limit[lanes], ends.time[lanes] + contact.time)
     ends.touched[lanes] = touched
     ends.segment[lanes] = np.where(touched, segments, -1)
-    ends.normal_x[lanes] = np.where(touched, found.normal_x, 0.0)
-    ends.normal_y[lanes] = np.where(touched, found.normal_y, 0.0)
-    ends.gap[lanes] = np.where(touched, found.gap, 0.0)
+    ends.normal_x[lanes] = np.where(touched, contact.normal_x, 0.0)
+    ends.normal_y[lanes] = np.where(touched, contact.normal_y, 0.0)
+    ends.gap[lanes] = np.where(touched, contact.gap, 0.0)
 
 
 def fly_on(state: RunState, lanes: np.ndarray) -> None:

@@ -31,56 +31,34 @@ from .time_of_impact import (
     touching_gap,
 )
 
-CLOSE = 0.01
-"""Gap to a cover, as a fraction of the circumscribed circle's radius, from which on a
-search goes into it."""
-
 
 class GroundSearch(NamedTuple):
     """State of a search."""
 
-    body: Body
-    """Block at the start of the flight."""
+    body: Body  # block at the start of the flight
     outline: BlockOutline
-    tree: Values
-    """Address of the table of the covers."""
-    slack: Values
-    """Gap within which the block touches [m]."""
+    tree: Values  # address of the table of the covers
+    slack: Values  # gap within which the block touches [m]
     until: Values
     """Time of the earliest contact so far, or up to which to search [s]; later ones do
     not count."""
-    at: Values
-    """Row of the node that is looked at."""
-    entered: Values
-    """Time up to which nothing under the cover above is touched [s]."""
-    time: Values
-    """Time up to which the node is not touched [s]."""
-    is_new: Values
-    """True for a node that has not been looked at."""
-    depth: Values
-    """Depth of the block in a segment [m]; see `time_of_impact`."""
-    steps: Values
-    """Number of steps with this node."""
-    given_up: Values
-    """True where the steps with a node ran out at the time `until`."""
+    at: Values  # row of the node that is looked at
+    entered: Values  # time up to which nothing under the cover above is touched [s]
+    time: Values  # time up to which the node is not touched [s]
+    is_new: Values  # true for a node that has not been looked at
+    depth: Values  # depth of the block in a segment [m]; see `time_of_impact`
+    steps: Values  # number of steps with this node
+    given_up: Values  # true where the steps with a node ran out at the time `until`
     touched: Values
-    segment: Values
-    """Number of the segment touched, -1 for none."""
-    gap: Gap
-    """Gap at the contact."""
+    segment: Values  # number of the segment touched, -1 for none
+    gap: Gap  # gap at the contact
 
 
 def begin(
     body: Body, outline: BlockOutline, tree: Values, scale: Values, until: Values
 ) -> GroundSearch:
-    """Begin a search.
-
-    Args:
-        body, outline: the block at the start of its flight.
-        tree: address of the table of the covers.
-        scale: size of the coordinates [m], for their rounding.
-        until: longest time to follow [s].
-    """
+    """Begin a search for the contact of a flight until a time [s], in the tree at an
+    address; the scale is the size of the coordinates, for their rounding [m]."""
     zero = jnp.zeros_like(body.x)
     return GroundSearch(
         body=body,
@@ -122,9 +100,10 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
     first = touches & ((now.time < now.until) | counts | ~now.touched)
     until = jnp.where(first, now.time, now.until)
 
-    close = CLOSE * now.outline.largest
+    # A search goes into a cover from a gap of a hundredth of the block's size on. Half
+    # of that is left, so that the block does not come into it.
+    close = 0.01 * now.outline.largest
     enters = ~is_segment & (gap.width <= close)
-    # To a cover half of that is left, so that the block does not come into it.
     lower = jnp.where(is_segment, depth, -0.5 * close)
     free = time_without_contact(
         body, now.outline, axis, piece, candidates, lower, now.slack

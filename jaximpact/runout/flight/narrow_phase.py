@@ -60,12 +60,9 @@ class Piece(NamedTuple):
 class Gap(NamedTuple):
     """Gap between a block and a column, in a direction that may part them."""
 
-    width: Values
-    """Width g [m]; negative where the direction does not part them."""
-    opening: Values
-    """Rate dg/dt [m/s]."""
-    normal_x: Values
-    """Direction N from the column to the block."""
+    width: Values  # width g [m]; negative where the direction does not part them
+    opening: Values  # rate dg/dt [m/s]
+    normal_x: Values  # direction N from the column to the block
     normal_y: Values
 
 
@@ -106,7 +103,7 @@ def gaps(body: Body, outline: BlockOutline, axis, piece: Piece) -> list[Gap]:
     t_x, t_y = width / length, rise / length
     left, right = (piece.left_x, piece.left_y), (piece.right_x, piece.right_y)
     has_no_faces = outline.shape.largest_bending(outline.axes) is not None
-    found = [gap_along(body, outline, axis, (-t_y, t_x), left)]
+    candidates = [gap_along(body, outline, axis, (-t_y, t_x), left)]
     for side, point in ((-1.0, left), (1.0, right)):
         n_x, n_y = normal_through(body, outline, axis, point)
         down = n_y < 0.0
@@ -114,8 +111,8 @@ def gaps(body: Body, outline: BlockOutline, axis, piece: Piece) -> list[Gap]:
         touches = None if has_no_faces else ~down
         gap = gap_along(body, outline, axis, (n_x, n_y), point, touches)
         holds = side * (n_x * t_x + n_y * t_y) >= 0.0
-        found.append(gap._replace(width=jnp.where(holds, gap.width, -jnp.inf)))
-    return found
+        candidates.append(gap._replace(width=jnp.where(holds, gap.width, -jnp.inf)))
+    return candidates
 
 
 def normal_through(body: Body, outline: BlockOutline, axis, point):
@@ -194,13 +191,8 @@ def _time_open_to_point(
 ) -> Values:
     """Bound the time for which the gap to an end of a segment stays open [s], in a
     direction that turns with the block: a flat face that turns on a point stays parted
-    from it.
-
-    Args:
-        line: gap along the segment's normal, up to which, or to the horizontal, the
-            direction may turn.
-        side: -1 for the left end, 1 for the right one.
-    """
+    from it. It may turn up to the segment's normal, that of the gap `line`, or to the
+    horizontal; the side is -1 for the left end, 1 for the right one."""
     spin = jnp.abs(body.angular_velocity)
     to_line = side * body.angular_velocity < 0.0
     end_x = jnp.where(to_line, line.normal_x, side)
@@ -232,7 +224,6 @@ def time_without_contact(
     """Bound the time for which the block does not touch a column [s].
 
     Args:
-        body, outline, piece: block and segment at this moment.
         axis: sine and cosine of the orientation.
         candidates: gaps of the block to this column.
         depth: depth by which the column is taken to lie lower than it does [m].

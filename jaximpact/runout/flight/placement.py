@@ -19,12 +19,6 @@ from .flights import follow_flights
 from .narrow_phase import Piece
 from .time_of_impact import begin
 
-BURIED = 1e-6
-"""Depth by which a block may start in the ground, as a fraction of its smaller
-semi-axis: rounding."""
-LONGEST_FALL = 1e6
-"""Time within which every fall from above the ground has ended [s]."""
-
 
 @closed_form
 def _depths(body: Body, outline: BlockOutline, piece: Piece):
@@ -59,9 +53,9 @@ def check_release(release: Release, profile: Profile) -> None:
         lane, i = lane[near], segment[near]
         piece = Piece(x[i], y[i], x[i + 1], y[i + 1])
         here = select((body, outline), lane)
-        found = shape_by_shape(lambda here, piece: _depths(*here, piece), here, piece)
-        np.maximum.at(depth, lane, found)
-    buried = depth > BURIED * outline.smallest
+        depths = shape_by_shape(lambda here, piece: _depths(*here, piece), here, piece)
+        np.maximum.at(depth, lane, depths)
+    buried = depth > 1e-6 * outline.smallest  # more than rounding
     if np.any(buried):
         i = int(np.argmax(buried))
         raise ValueError(
@@ -104,9 +98,6 @@ def lying_height(
     at a distance d from the centre. It lies on the ground where the centre's height is
     the largest of ground less lower side; that difference is concave over each segment.
     A block of another shape falls, without turning, from above all ground.
-
-    Args:
-        outline, x, orientation: blocks, `(blocks,)`; x on the profile.
     """
     return shape_by_shape(
         lambda outline, *blocks: _lying_height(profile, outline, *blocks),
@@ -123,7 +114,8 @@ def _lying_height(
     top = np.max(profile.y) + 2.0 * outline.largest
     still = np.zeros(len(x))
     body = Body(x, top, still, still, orientation, still)
-    ends = follow_flights(body, outline, profile, np.full(len(x), LONGEST_FALL))
+    # Every fall has ended within a million seconds.
+    ends = follow_flights(body, outline, profile, np.full(len(x), 1e6))
     return np.where(ends.touched, top - 0.5 * GRAVITY * ends.time**2, -np.inf)
 
 
@@ -170,15 +162,10 @@ def _at_touch(scene: Scene):
 def release_at_touch(
     scene: Scene, profile: Profile, x: ArrayLike
 ) -> tuple[Release, Ground]:
-    """Release blocks as they strike a profile in the way that a scene says.
+    """Release blocks as they strike a profile at x [m] in the way that a scene says.
 
     The impact is in the frame of the segment; its own `slope` is not used: the profile
-    gives it, and rolling friction and roughness.
-
-    Args:
-        scene: fields that broadcast to `(blocks,)`.
-        profile: the slope; its soil is not used.
-        x: place where the blocks touch it [m], broadcast likewise.
+    gives it, and rolling friction and roughness, but not its soil.
 
     Returns:
         The release, and the ground with the soil of the scene.

@@ -22,9 +22,6 @@ from .narrow_phase import (
     widest,
 )
 
-TOUCHING = 1e-9
-"""Gap, as a fraction of the circumscribed circle's radius, within which a block
-touches; rounding of the coordinates is added."""
 APPROACHING = 1e-8
 """Closing speed that counts as one [m/s]; below it is rounding."""
 MAX_STEPS = 20_000
@@ -35,51 +32,38 @@ fast spin meets a slow approach."""
 class Search(NamedTuple):
     """State of a search."""
 
-    body: Body
-    """Block at the start of the flight."""
+    body: Body  # block at the start of the flight
     outline: BlockOutline
     pieces: tuple[Piece, ...]
     depths: tuple[Values, ...]
     """Depth of the block in each piece [m]: the piece is taken to lie lower by that,
     until the block is out of it. Above 0 only for a block that started in the
     ground."""
-    slack: Values
-    """Gap within which the block touches [m]."""
-    until: Values
-    """Time for which the pieces suffice [s]."""
-    time: Values
-    """Time reached [s]."""
-    steps: Values
-    """Number of steps so far."""
+    slack: Values  # gap within which the block touches [m]
+    until: Values  # time for which the pieces suffice [s]
+    time: Values  # time reached [s]
+    steps: Values  # number of steps so far
     touched: Values
-    piece: Values
-    """Number of the piece touched."""
-    gap: Gap
-    """Gap at the contact."""
+    piece: Values  # number of the piece touched
+    gap: Gap  # gap at the contact
 
 
 class FirstContact(NamedTuple):
     """Result of a search."""
 
-    time: Values
-    """Time of the contact [s], or up to which there is none."""
-    touched: Values
-    """1 where there is a contact."""
-    given_up: Values
-    """1 where the steps ran out."""
-    number: Values
-    """Number of the piece, or of the segment of the profile, that is touched."""
-    normal_x: Values
-    """Normal out of the ground at the contact."""
+    time: Values  # time of the contact [s], or up to which there is none
+    touched: Values  # 1 where there is a contact
+    given_up: Values  # 1 where the steps ran out
+    number: Values  # of the piece, or of the segment, that is touched
+    normal_x: Values  # normal out of the ground at the contact
     normal_y: Values
-    gap: Values
-    """Gap at the contact [m], 0 but for rounding, or negative where the block started
-    inside the piece."""
+    gap: Values  # at the contact [m]; negative for a start in the ground
 
 
 def touching_gap(outline: BlockOutline, scale: Values) -> Values:
-    """Compute the gap within which a block touches [m]; scale as for `begin`."""
-    return TOUCHING * outline.largest + 4e-15 * scale
+    """Compute the gap within which a block touches [m]: a part of its size, and the
+    rounding of coordinates of this size [m]."""
+    return 1e-9 * outline.largest + 4e-15 * scale
 
 
 def begin(
@@ -89,13 +73,8 @@ def begin(
     scale: Values,
     until: Values,
 ) -> Search:
-    """Begin a search.
-
-    Args:
-        body, outline: the block at the start of its flight.
-        pieces: segments to now.
-        scale: size of the coordinates [m], for their rounding.
-        until: time for which the pieces suffice [s].
+    """Begin a search for the contact of a flight with some segments, which suffice
+    until a time [s]; the scale is the size of the coordinates, for their rounding [m].
     """
     axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
     widths = [widest(gaps(body, outline, axis, piece)).width for piece in pieces]

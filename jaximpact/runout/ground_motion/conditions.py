@@ -20,23 +20,14 @@ from ..lane_programs import Values, closed_form
 class Riders(NamedTuple):
     """Blocks on the ground, arrays `(blocks,)`."""
 
-    radius: np.ndarray
-    """Height of the centre over the ground [m]."""
-    ratio: np.ndarray
-    """k = I/(m r^2); 0 for a block that slides."""
-    rolls: np.ndarray
-    """True for a block that rolls."""
-    barrier: np.ndarray
-    """Height by which its long axis lifts a block that rolls [m]; 0 for a block that
-    slides."""
-    turning_slope: np.ndarray
-    """Tangent of the slope that tips a block over its long axis."""
-    flat_curvature: np.ndarray
-    """Radius of curvature with which a block that slides leaves an edge [m]."""
-    hop: np.ndarray
-    """Height of a flight that is not followed [m]."""
-    closing: np.ndarray
-    """Squared velocity across level ground that makes an impact [m2/s2]."""
+    radius: np.ndarray  # height of the centre over the ground [m]
+    ratio: np.ndarray  # k = I/(m r^2); 0 for a block that slides
+    rolls: np.ndarray  # true for a block that rolls
+    barrier: np.ndarray  # height by which the long axis lifts a block that rolls [m]
+    turning_slope: np.ndarray  # tangent of the slope that tips a block
+    flat_curvature: np.ndarray  # radius at which a sliding block leaves an edge [m]
+    hop: np.ndarray  # height of a flight that is not followed [m]
+    closing: np.ndarray  # squared speed across level ground that makes an impact
 
     def at(self, blocks: np.ndarray) -> "Riders":
         """Select blocks."""
@@ -46,54 +37,40 @@ class Riders(NamedTuple):
 MILD = LARGEST_TURN
 """Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
 points then lie closer than an eighth of the curve's radius."""
-CURVE = 2.0
-"""Radii of the block, at both sides, to which a single point may belong to a curve."""
 
 
 class MotionAhead(NamedTuple):
     """Motion over the elements ahead, arrays `(blocks, elements)`."""
 
-    start_squared: np.ndarray
-    """Squared speed at the start of an element [m2/s2]."""
+    start_squared: np.ndarray  # squared speed at the start of an element [m2/s2]
     stop_squared: np.ndarray
-    friction: np.ndarray
-    """Tangent of the angle of friction."""
+    friction: np.ndarray  # tangent of the angle of friction
 
 
 class Bend(NamedTuple):
     """Ground about a point."""
 
-    shorter: Values
-    """As in `Elements`."""
+    shorter: Values  # as in `Elements`
     on_curve: Values
-    begins: Values
-    """1 where the arc about the point begins, 0 for a later part of it."""
+    begins: Values  # 1 where the arc about the point begins, 0 for a later part of it
 
 
 class Passage(NamedTuple):
     """Passage over an element."""
 
-    length: Values
-    """Length along the path [m]."""
-    duration: Values
-    """Time that it takes [s]."""
-    speed: Values
-    """Speed at the start [m/s]."""
+    length: Values  # length along the path [m]
+    duration: Values  # time that it takes [s]
+    speed: Values  # speed at the start [m/s]
 
 
 class Conditions(NamedTuple):
     """Conditions for events on an element; 1 where true, 0 where false."""
 
-    slow: Values
-    """True where the block becomes too slow for its kind of motion."""
-    loose: Values
-    """True where the path falls away faster than the block does."""
-    corner: Values
-    """True where the path turns up behind the element by more than `MILD`."""
-    hard: Values
-    """True where that is an impact."""
-    turn: Values
-    """Angle by which the path turns, on the element and up behind it [rad]."""
+    slow: Values  # true where the block becomes too slow for its kind of motion
+    loose: Values  # true where the path falls away faster than the block does
+    corner: Values  # the path turns up behind it by more than `MILD`
+    hard: Values  # true where that is an impact
+    turn: Values  # angle by which the path turns, on the element and up behind it [rad]
     passage: Passage
 
 
@@ -111,7 +88,7 @@ def _least_squared(
 
 least_squared = closed_form(_least_squared)
 """`least_squared(riders, n_x, n_y, friction)`: squared speeds below which blocks do not
-roll on over their long axes [m2/s2], as `rolling.barrier` gives them."""
+roll on over their long axes [m2/s2], as `rolling.begin_on_ground` needs them."""
 
 
 def _arc(ahead: Ahead, h: Values) -> Values:
@@ -189,7 +166,8 @@ def _is_loose(
     ahead: Ahead, motion: MotionAhead, bend: Bend, riders: Riders, arc: Values
 ) -> Values:
     h = riders.radius
-    near = jnp.minimum(bend.shorter, 2.0 * CURVE * h)
+    # A single point may belong to a curve of two radii of the block at both sides.
+    near = jnp.minimum(bend.shorter, 4.0 * h)
     curve = jnp.where(bend.on_curve > 0.0, bend.shorter, near) + h * arc
     falls = GRAVITY * ahead.start_normal_y
     mild = motion.start_squared * arc > falls * curve
@@ -201,19 +179,6 @@ def _is_loose(
     return (arc > 0.0) & jnp.where(ahead.is_whole > 0.0, mild, sharp)
 
 
-FIRST_LOOKAHEAD = 8
-"""Number of elements that a search for the end of a hop evaluates first."""
-
-
-class Hops(NamedTuple):
-    """Hops, followed as flights or not; arrays `(blocks,)`."""
-
-    flies: np.ndarray
-    """True for a flight that is followed."""
-    landing_x: np.ndarray
-    """x at which one that is not comes back to the path [m]."""
-
-
 def find_hops(
     path: CentrePath,
     riders: Riders,
@@ -223,17 +188,13 @@ def find_hops(
     n_x: np.ndarray,
     n_y: np.ndarray,
     squared: np.ndarray,
-) -> Hops:
-    """Find out which flights are followed, and where the others end.
-
-    Args:
-        element: elements at which blocks leave the path, `(blocks,)`.
-        x, y: their centres there [m], x in the mirror for those that move to the left.
-        n_x, n_y: normals there.
-        squared: squared speeds there [m2/s2].
-    """
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find out which flights are followed, and where the others come back to the path
+    (x), of blocks that leave the path on elements: from their centres there [m], x in
+    the mirror for those that move to the left, with normals and squared speeds
+    [m2/s2]."""
     flies, landing_x = np.zeros(len(x), bool), x.copy()
-    asking, width = np.arange(len(x)), FIRST_LOOKAHEAD
+    asking, width = np.arange(len(x)), 8  # elements, and twice as many if need be
     here = element, x, y
     slope, along = -n_x / n_y, squared * n_y**2
     bend = 0.5 * GRAVITY / along
@@ -275,4 +236,4 @@ def find_hops(
             )
         )
         asking, width = asking[open_yet], 2 * width
-    return Hops(flies, landing_x)
+    return flies, landing_x

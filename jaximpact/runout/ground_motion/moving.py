@@ -2,7 +2,6 @@
 and what happens there."""
 
 import concurrent.futures
-from typing import NamedTuple
 
 import numpy as np
 
@@ -11,18 +10,15 @@ from ...backend.threads import thread_count
 from ...scene import GRAVITY
 from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
-from ..state import UNKNOWN, BlockConstants, BlockState, Phase, RunState
-from ..trajectory import Ending, MotionMode, Pieces
+from ..state import NONE, BlockConstants, BlockState, Phase, RunState
+from ..trajectory import Ending, Pieces
 from .conditions import Riders, least_squared
-from .ride import Event, Place, Ride, friction_on, ride
-from .rolling import SMALL_RISE, Corner, lie_down, strike_corner, take_off
+from .ride import Event, Place, Ride, ride
+from .rolling import SMALL_RISE, lie_down, strike_corner, take_off
 
 SHORTEST_LOOKAHEAD, LONGEST_LOOKAHEAD = 4, 128
 """Numbers of elements ahead that a ride evaluates: few after an event, more while
 nothing happens."""
-LARGEST_TABLE = 30_000
-"""Number of elements of all blocks together that are evaluated at a time, for the
-caches of a core."""
 
 
 def move_along(state: RunState, lanes: np.ndarray) -> None:
@@ -34,11 +30,12 @@ def move_along(state: RunState, lanes: np.ndarray) -> None:
         jobs = []
         for width in np.unique(lookaheads):
             alike = lanes[lookaheads == width]
-            parts = -(-len(alike) * int(width) // LARGEST_TABLE)
+            # As many elements at a time as the caches of a core have room for.
+            parts = -(-len(alike) * int(width) // 30_000)
             jobs += [(part, int(width)) for part in np.array_split(alike, parts)]
         _ride_side_by_side(state, jobs)
         grounded = blocks.phase[lanes] == Phase.grounded
-        known = blocks.element[lanes] != UNKNOWN
+        known = blocks.element[lanes] != NONE
         lanes = lanes[grounded & known]
 
 
@@ -61,15 +58,10 @@ def _ride_side_by_side(state: RunState, jobs: list[tuple[np.ndarray, int]]) -> N
 
 
 def _placed(state: RunState, lanes: np.ndarray) -> np.ndarray:
-    """Put blocks onto the path of the centre, at the cost of the energy for it.
-
-    One that cannot come up has stopped: it is wedged where it lies.
-
-    Returns:
-        The blocks that move.
-    """
+    """Put blocks onto the path of the centre, at the cost of the energy for it, and
+    give those that move: one that cannot come up is wedged where it lies, and stops."""
     blocks = state.blocks
-    new = lanes[blocks.element[lanes] == UNKNOWN]
+    new = lanes[blocks.element[lanes] == NONE]
     if not len(new):
         return lanes
     block, constants = select((blocks, state.constants), new)
@@ -137,7 +129,7 @@ def _ride(state: RunState, lanes: np.ndarray, width: int) -> None:
         speed_squared=block.speed_squared,
         time=block.time,
     )
-    ridden = ride(
+    ridden, pieces = ride(
         path=state.path,
         friction_of=friction_of,
         riders=riders,
@@ -147,7 +139,7 @@ def _ride(state: RunState, lanes: np.ndarray, width: int) -> None:
         time_limit=state.limits.time,
         width=width,
     )
-    _record(state, lanes, block, riders, ridden)
+    state.pieces.add(lanes[pieces.trajectory], _out_of_mirror(pieces, block))
     end = ridden.end
     after = block._replace(
         time=end.time,
@@ -165,72 +157,26 @@ def _ride(state: RunState, lanes: np.ndarray, width: int) -> None:
     state.lookahead[lanes] = np.where(
         goes_on, longer, max(width // 2, SHORTEST_LOOKAHEAD)
     )
-    state.stays_on[lanes[~goes_on]] = UNKNOWN
+    state.stays_on[lanes[~goes_on]] = NONE
     state.passed[lanes] = np.where(goes_on, ridden.passed, -np.inf)
-    there = _Arrival(
-        riders=riders,
-        normal_x=ridden.normal_x,
-        normal_y=ridden.normal_y,
-        next_normal_x=ridden.next_normal_x,
-        next_normal_y=ridden.next_normal_y,
-        friction=friction_on(state.path, friction_of, end.element),
-        moved=end.time > begin.time,
-    )
-    happening = {
-        Event.strikes: _strike,
-        Event.slow_corner: _turn_slowly,
-        Event.flies: _fly_off,
-        Event.slow: _slow_down,
-        Event.leaves: _leave,
-        Event.time_limit: _come_to_limit,
-    }
-    for event, happens in happening.items():
+    for event, happens in HAPPENING.items():
         chosen = np.flatnonzero(ridden.event == event)
         if len(chosen):
-            happens(state, lanes[chosen], select(there, chosen))
+            happens(state, lanes[chosen], select(ridden, chosen))
             _count(state, lanes[chosen])
 
 
-class _Arrival(NamedTuple):
-    """Ends of rides; directions as for `Ride`."""
-
-    riders: Riders
-    normal_x: np.ndarray
-    normal_y: np.ndarray
-    next_normal_x: np.ndarray
-    next_normal_y: np.ndarray
-    friction: np.ndarray
-    """Tangent of the angle of friction on the element there."""
-    moved: np.ndarray
-    """True where the ride took time."""
-
-
-def _record(
-    state: RunState, lanes: np.ndarray, block: BlockState, riders: Riders, ridden: Ride
-) -> None:
-    """Record the pieces of rides."""
-    legs = ridden.legs
-    direction = block.direction[legs.rider]
-    rolls = block.rolls[legs.rider] > 0.0
-    radius = riders.radius[legs.rider]
-    turn = np.where(rolls, direction / radius, 0.0)
-    state.pieces.add(
-        lanes[legs.rider],
-        Pieces(
-            trajectory=np.zeros(len(direction)),
-            motion=np.where(rolls, MotionMode.rolling, MotionMode.sliding),
-            time=legs.time,
-            duration=legs.duration,
-            x=direction * legs.x,
-            y=legs.y,
-            v_x=direction * legs.v_x,
-            v_y=legs.v_y,
-            a_x=direction * legs.a_x,
-            a_y=legs.a_y,
-            orientation=block.body.orientation[legs.rider] + direction * legs.turned,
-            angular_velocity=turn * legs.speed,
-            angular_acceleration=turn * legs.acceleration,
-        ),
+def _out_of_mirror(pieces: Pieces, block: BlockState) -> Pieces:
+    """Turn pieces of rides to x, and to the orientations at the begin."""
+    rider = pieces.trajectory
+    direction, orientation = block.direction[rider], block.body.orientation[rider]
+    return pieces._replace(
+        x=direction * pieces.x,
+        v_x=direction * pieces.v_x,
+        a_x=direction * pieces.a_x,
+        orientation=orientation + direction * pieces.orientation,
+        angular_velocity=direction * pieces.angular_velocity,
+        angular_acceleration=direction * pieces.angular_acceleration,
     )
 
 
@@ -247,17 +193,7 @@ def _count(state: RunState, lanes: np.ndarray) -> None:
     _end(state, lanes[many & (blocks.phase[lanes] != Phase.ended)], Ending.event_limit)
 
 
-def _leave(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
-    """End blocks at an end of the profile."""
-    _end(state, lanes, Ending.left_profile)
-
-
-def _come_to_limit(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
-    """End blocks whose time is over."""
-    _end(state, lanes, Ending.time_limit)
-
-
-def _strike(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
+def _strike(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     """Let blocks strike what is ahead at a corner."""
     block, constants = select((state.blocks, state.constants), lanes)
     ground = state.path.elements.at(block.element.astype(int))
@@ -269,17 +205,13 @@ def _strike(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     most = np.maximum(ground.behind, ground.ahead)
     on_line = np.clip(number, least, most)
     segment = np.where(ground.is_segment, on_line, ground.behind)
-    corner = Corner(
-        here_x=block.direction * there.normal_x,
-        here_y=there.normal_y,
-        ahead_x=block.direction * there.next_normal_x,
-        ahead_y=there.next_normal_y,
-        segment=segment.astype(float),
-    )
-    put(state.blocks, lanes, strike_corner(block, constants, corner))
+    here = block.direction * there.normal_x, there.normal_y
+    ahead = block.direction * there.next_normal_x, there.next_normal_y
+    struck = strike_corner(block, constants, here, ahead, segment.astype(float))
+    put(state.blocks, lanes, struck)
 
 
-def _turn_slowly(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
+def _turn_slowly(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     """Let blocks that are too slow for an impact go on behind a corner, or stop where
     they can: on ground that friction holds them on, or between two rises."""
     blocks, ratio = state.blocks, there.riders.ratio
@@ -293,7 +225,7 @@ def _turn_slowly(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     _end(state, lanes[slow & rests], Ending.stopped)
 
 
-def _fly_off(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
+def _fly_off(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     """Let blocks leave the ground; those whose sections would not, roll on. None leaves
     the same element twice in a row."""
     block, constants = select((state.blocks, state.constants), lanes)
@@ -305,7 +237,7 @@ def _fly_off(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     state.stays_on[lanes] = block.element
 
 
-def _slow_down(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
+def _slow_down(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     """Let blocks that are too slow lie down if they roll and lack the energy to turn
     over, else start down-slope, or stop where friction holds them."""
     blocks, riders = state.blocks, there.riders
@@ -328,3 +260,14 @@ def _slow_down(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     mirrored = state.path.mirrored(blocks.element[turning].astype(int))
     blocks.element[turning] = mirrored
     blocks.direction[turning] *= -1.0
+
+
+HAPPENING = {
+    Event.strikes: _strike,
+    Event.slow_corner: _turn_slowly,
+    Event.flies: _fly_off,
+    Event.slow: _slow_down,
+    Event.leaves: lambda state, lanes, _: _end(state, lanes, Ending.left_profile),
+    Event.time_limit: lambda state, lanes, _: _end(state, lanes, Ending.time_limit),
+}
+"""What happens at the events, given the ends of the rides."""

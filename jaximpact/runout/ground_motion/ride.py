@@ -19,7 +19,7 @@ the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if the fligh
 followed (`conditions`). Where the ground turns down by less than `MILD`, $\kappa$ is
 that of the curve that the points draw, from the middle of the shorter segment beside
 it; else it is that of the arc, $1/r$. A point that stands alone, where those beside it
-do not bend the same way, draws a curve of `CURVE` radii at most.
+do not bend the same way, draws a curve of two radii at most.
 
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.
@@ -37,6 +37,7 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..centre_path import Ahead, CentrePath, in_small_turns
+from ..trajectory import MotionMode, Pieces
 from .conditions import (
     Bend,
     Conditions,
@@ -53,13 +54,8 @@ PIECE_TURN, PIECE_LENGTH = 0.05, 8.0
 """Turn [rad] and length, in radii, up to which small elements are one piece of a
 trajectory together. It is a parabola, which follows a curve: it lies apart from the
 path by two hundredths of the radius, or 1 mm, at most."""
-LEAST_PIECE, MOST_PIECE = 0.5, 2.5
-"""Bounds of that length [m]."""
 SMALL_PART = 0.25
 """Part of these up to which an element, or a corner, is small."""
-PAST_THE_EDGE = 1e-3
-"""Turn beyond the one at which a block leaves an edge, at which its flight begins
-[rad]; at the very one it would leave too slowly to be told from staying."""
 
 
 class Event(enum.IntEnum):
@@ -88,45 +84,20 @@ class Place(NamedTuple):
     time: np.ndarray
 
 
-class Legs(NamedTuple):
-    """Pieces of rides at constant acceleration, block after block, in time; x in the
-    mirror."""
-
-    rider: np.ndarray
-    """Number of the rider."""
-    time: np.ndarray
-    duration: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    v_x: np.ndarray
-    v_y: np.ndarray
-    a_x: np.ndarray
-    a_y: np.ndarray
-    turned: np.ndarray
-    """Angle by which the block has rolled before [rad], in its direction of motion."""
-    speed: np.ndarray
-    """Along the path, at the start [m/s]."""
-    acceleration: np.ndarray
-    """Along the path [m/s2]."""
-
-
 class Ride(NamedTuple):
     """Rides up to their events; arrays `(blocks,)`, in the mirror as x is."""
 
-    event: np.ndarray
-    """Codes of `Event`."""
+    riders: Riders
+    event: np.ndarray  # codes of `Event`
     end: Place
-    normal_x: np.ndarray
-    """Normal of the path at the end."""
+    normal_x: np.ndarray  # normal of the path at the end
     normal_y: np.ndarray
-    next_normal_x: np.ndarray
-    """Normal behind the corner at the end."""
+    next_normal_x: np.ndarray  # normal behind the corner at the end
     next_normal_y: np.ndarray
-    turned: np.ndarray
-    """Angle by which the block has rolled [rad], in its direction of motion."""
-    legs: Legs
-    passed: np.ndarray
-    """x in the mirror up to which corners are passed over [m]."""
+    friction: np.ndarray  # tangent of the angle of friction on the element there
+    moved: np.ndarray  # true where the ride took time
+    turned: np.ndarray  # by rolling [rad], in the direction of motion
+    passed: np.ndarray  # x in the mirror up to which corners are passed over [m]
 
 
 FrictionOf = Callable[[np.ndarray], np.ndarray]
@@ -142,7 +113,7 @@ def ride(
     passed: np.ndarray,
     time_limit: float,
     width: int,
-) -> Ride:
+) -> tuple[Ride, Pieces]:
     """Move riders along the path, to an event or to the last element evaluated.
 
     Args:
@@ -152,6 +123,11 @@ def ride(
             that is not followed [m].
         time_limit: time at which a ride ends, with the element that is passed then [s].
         width: number of elements to evaluate, from 2.
+
+    Returns:
+        The rides; and their pieces, rider after rider, in time. The pieces have x in
+        the mirror, numbers of riders for trajectories, and orientations from the begin
+        in the direction of motion.
     """
     ahead = path.ahead(begin.element, begin.x, begin.y, riders.radius, width)
     ahead = in_small_turns(ahead, riders.radius)
@@ -161,12 +137,54 @@ def ride(
         path, riders, ahead, motion, conditions, stays_on, passed
     )
     _cut(riders, ahead, motion, conditions, event, place)
-    return _recorded(
-        riders, begin, ahead, motion, conditions, event, place, passed, time_limit
+
+    columns = np.arange(ahead.element.shape[1])
+    done = columns < (place + np.isin(event, ENDS_ON))[:, None]
+    duration = np.where(done, conditions.passage.duration, 0.0)
+    time = np.cumsum(np.concatenate([begin.time[:, None], duration], axis=1), axis=1)
+    late = done & (time[:, 1:] > time_limit)
+    is_late = np.any(late, axis=1)
+    place = np.where(is_late, np.argmax(late, axis=1), place)
+    event = np.where(is_late, Event.time_limit, event)
+    done &= columns < (place + np.isin(event, ENDS_ON))[:, None]
+    length = np.where(done, conditions.passage.length, 0.0)
+    turn = np.where(riders.rolls[:, None], length / riders.radius[:, None], 0.0)
+    turned = np.cumsum(np.pad(turn, ((0, 0), (1, 0))), axis=1)
+    pieces = _pieces(riders, ahead, conditions, done, time, length, turned)
+
+    rows, last = np.arange(len(place)), np.count_nonzero(done, axis=1)
+    here = np.minimum(place, len(columns) - 1)
+    moved, behind = last > 0, np.maximum(last - 1, 0)
+    # One that looks on stands behind what it passed; columns there may be filling.
+    passed_all = (event == Event.continues) & (place > 0)
+    onto_next = np.isin(event, [Event.strikes, Event.slow_corner]) | passed_all
+    at = rows, np.where(passed_all, place - 1, here)
+    end = Place(
+        element=np.where(onto_next, ahead.next_element[at], ahead.element[at]),
+        x=np.where(moved, ahead.stop_x[rows, behind], begin.x),
+        y=np.where(moved, ahead.stop_y[rows, behind], begin.y),
+        speed_squared=np.where(
+            moved, motion.stop_squared[rows, behind], begin.speed_squared
+        ),
+        time=time[rows, last],
     )
+    ridden = Ride(
+        riders=riders,
+        event=event,
+        end=end,
+        normal_x=ahead.stop_normal_x[rows, here],
+        normal_y=ahead.stop_normal_y[rows, here],
+        next_normal_x=ahead.next_normal_x[rows, here],
+        next_normal_y=ahead.next_normal_y[rows, here],
+        friction=_friction_on(path, friction_of, end.element),
+        moved=end.time > begin.time,
+        turned=turned[rows, last],
+        passed=passed,
+    )
+    return ridden, pieces
 
 
-def friction_on(
+def _friction_on(
     path: CentrePath, friction_of: FrictionOf, element: np.ndarray
 ) -> np.ndarray:
     """Compute tangents of the angles of friction on elements: about a point, the mean
@@ -185,7 +203,7 @@ def _motion(
     speed_squared: np.ndarray,
 ) -> MotionAhead:
     """Compute squared speeds over the elements ahead, as if nothing happened there."""
-    friction = friction_on(path, friction_of, ahead.element)
+    friction = _friction_on(path, friction_of, ahead.element)
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
     loss = loss_with_height(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
@@ -239,10 +257,12 @@ def _first_event(
         start = _leaving(
             riders.at(asking), _at(ahead, asking, at), _at(motion, asking, at)
         )
-        hops = find_hops(path, riders.at(asking), ahead.element[asking, at], *start)
-        asking, at = asking[~hops.flies], at[~hops.flies]
+        flies, landing_x = find_hops(
+            path, riders.at(asking), ahead.element[asking, at], *start
+        )
+        asking, at, landing_x = asking[~flies], at[~flies], landing_x[~flies]
         loose[asking, at] = False
-        passed[asking] = np.maximum(passed[asking], hops.landing_x[~hops.flies])
+        passed[asking] = np.maximum(passed[asking], landing_x)
 
 
 def _first(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -265,11 +285,7 @@ def _at(tree, rows: np.ndarray, columns: np.ndarray):
 def _leaving(
     riders: Riders, ahead: Ahead, motion: MotionAhead
 ) -> tuple[np.ndarray, ...]:
-    """Compute where riders leave arcs: centres, normals and squared speeds.
-
-    Args:
-        ahead, motion: the arcs, arrays `(blocks,)`.
-    """
+    """Compute where riders leave arcs: centres, normals and squared speeds."""
     h, rate, friction = riders.radius, loss_with_height(riders), motion.friction
     n_x, n_y = ahead.start_normal_x, ahead.start_normal_y
     # On the arc v^2 = g h cos(alpha), that is a cos + b sin = c.
@@ -279,7 +295,9 @@ def _leaving(
     cos = np.clip(c / size, -1.0, 1.0)
     sin = np.sqrt(1.0 - cos**2)
     cos, sin = (cos * a - sin * b) / size, (sin * a + cos * b) / size
-    little, one = math.sin(PAST_THE_EDGE), math.cos(PAST_THE_EDGE)
+    # A little farther: at the very edge it would leave too slowly to be told from
+    # staying.
+    little, one = math.sin(1e-3), math.cos(1e-3)
     cos, sin = cos * one - sin * little, sin * one + cos * little
     beyond = sin * ahead.stop_normal_y > cos * ahead.stop_normal_x
     sin = np.where(beyond, ahead.stop_normal_x, sin)
@@ -333,11 +351,8 @@ def _cut(
 def _slowing(
     riders: Riders, ahead: Ahead, motion: MotionAhead
 ) -> tuple[np.ndarray, ...]:
-    """Compute where riders become too slow: centres, normals and squared speeds.
-
-    Args:
-        ahead, motion: the elements, arrays `(blocks,)`.
-    """
+    """Compute where riders become too slow on elements: centres, normals and squared
+    speeds."""
     n_x, n_y, friction = ahead.start_normal_x, ahead.start_normal_y, motion.friction
     h, rate = riders.radius, loss_with_height(riders)
     least = least_squared(riders, n_x, n_y, friction)
@@ -369,45 +384,32 @@ ENDS_ON = (Event.strikes, Event.slow_corner, Event.flies, Event.slow, Event.time
 """Events at the end of an element, not at its start."""
 
 
-def _recorded(
+def _pieces(
     riders: Riders,
-    begin: Place,
     ahead: Ahead,
-    motion: MotionAhead,
     conditions: Conditions,
-    event: np.ndarray,
-    place: np.ndarray,
-    over_to: np.ndarray,
-    time_limit: float,
-) -> Ride:
-    """Compute times and turns, and record the elements that were passed.
+    done: np.ndarray,
+    time: np.ndarray,
+    length: np.ndarray,
+    turned: np.ndarray,
+) -> Pieces:
+    """Record the elements that were passed, at constant acceleration.
 
     Args:
-        over_to: x up to which corners are passed over, for `Ride.passed`.
+        done: True for these, `(blocks, elements)`.
+        time, turned: at the start of each element and at the end [s, rad].
+        length: of the elements passed [m].
     """
-    h, columns = riders.radius[:, None], np.arange(ahead.element.shape[1])
-    length, duration, speed = conditions.passage
-    passed = columns < (place + np.isin(event, ENDS_ON))[:, None]
-    duration = np.where(passed, duration, 0.0)
-    time = np.cumsum(np.concatenate([begin.time[:, None], duration], axis=1), axis=1)
-    late = passed & (time[:, 1:] > time_limit)
-    is_late = np.any(late, axis=1)
-    place = np.where(is_late, np.argmax(late, axis=1), place)
-    event = np.where(is_late, Event.time_limit, event)
-    passed &= columns < (place + np.isin(event, ENDS_ON))[:, None]
-    length = np.where(passed, length, 0.0)
-    turn = np.where(riders.rolls[:, None], length / h, 0.0)
-    turned = np.cumsum(np.pad(turn, ((0, 0), (1, 0))), axis=1)
-
-    begins = _begin_pieces(ahead, conditions.turn, length, h) & passed
+    h = riders.radius[:, None]
+    begins = _begin_pieces(ahead, conditions.turn, length, h) & done
     rider, one = np.nonzero(begins)
-    two = _last_of_pieces(begins, passed)[rider, one]
+    two = _last_of_pieces(begins, done)[rider, one]
     kept = time[rider, two + 1] > time[rider, one]
     rider, one, two = rider[kept], one[kept], two[kept]
     whole = time[rider, two + 1] - time[rider, one]
-    start = speed[rider, one]
-    v_x = start * ahead.start_normal_y[rider, one]
-    v_y = -start * ahead.start_normal_x[rider, one]
+    speed = conditions.passage.speed[rider, one]
+    v_x = speed * ahead.start_normal_y[rider, one]
+    v_y = -speed * ahead.start_normal_x[rider, one]
     x, y = ahead.start_x[rider, one], ahead.start_y[rider, one]
 
     def to_join(way: np.ndarray, velocity: np.ndarray) -> np.ndarray:
@@ -415,8 +417,11 @@ def _recorded(
 
     ways = np.cumsum(np.pad(length, ((0, 0), (1, 0))), axis=1)
     way = ways[rider, two + 1] - ways[rider, one]
-    legs = Legs(
-        rider=rider,
+    rolls = riders.rolls[rider]
+    turn = np.where(rolls, 1.0 / riders.radius[rider], 0.0)
+    return Pieces(
+        trajectory=rider,
+        motion=np.where(rolls, MotionMode.rolling, MotionMode.sliding),
         time=time[rider, one],
         duration=whole,
         x=x,
@@ -425,37 +430,9 @@ def _recorded(
         v_y=v_y,
         a_x=to_join(ahead.stop_x[rider, two] - x, v_x),
         a_y=to_join(ahead.stop_y[rider, two] - y, v_y),
-        turned=turned[rider, one],
-        speed=start,
-        acceleration=to_join(way, start),
-    )
-
-    rows, last = np.arange(len(place)), np.count_nonzero(passed, axis=1)
-    here = np.minimum(place, len(columns) - 1)
-    moved, behind = last > 0, np.maximum(last - 1, 0)
-    # One that looks on stands behind what it passed; columns there may be filling.
-    passed_all = (event == Event.continues) & (place > 0)
-    onto_next = np.isin(event, [Event.strikes, Event.slow_corner]) | passed_all
-    at = rows, np.where(passed_all, place - 1, here)
-    end = Place(
-        element=np.where(onto_next, ahead.next_element[at], ahead.element[at]),
-        x=np.where(moved, ahead.stop_x[rows, behind], begin.x),
-        y=np.where(moved, ahead.stop_y[rows, behind], begin.y),
-        speed_squared=np.where(
-            moved, motion.stop_squared[rows, behind], begin.speed_squared
-        ),
-        time=time[rows, last],
-    )
-    return Ride(
-        event,
-        end,
-        ahead.stop_normal_x[rows, here],
-        ahead.stop_normal_y[rows, here],
-        ahead.next_normal_x[rows, here],
-        ahead.next_normal_y[rows, here],
-        turned=turned[rows, last],
-        legs=legs,
-        passed=over_to,
+        orientation=turned[rider, one],
+        angular_velocity=turn * speed,
+        angular_acceleration=turn * to_join(way, speed),
     )
 
 
@@ -465,7 +442,7 @@ def _begin_pieces(
     """Tell which elements begin a piece: small ones go on with the piece before, as
     long as they do not turn or lead too far."""
     arc = ~ahead.is_segment
-    longest = np.clip(PIECE_LENGTH * h, LEAST_PIECE, MOST_PIECE)
+    longest = np.clip(PIECE_LENGTH * h, 0.5, 2.5)  # [m]
     small = turn < SMALL_PART * PIECE_TURN
     small &= length < SMALL_PART * longest
     begins = np.ones(length.shape, bool)

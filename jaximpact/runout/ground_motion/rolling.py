@@ -22,96 +22,13 @@ goes on from there is the matter of `ride`. A round block leaves the ground as t
 section that it stands for (`take_off`, `strike_corner`).
 """
 
-from typing import NamedTuple
-
 import jax.numpy as jnp
 
 from ...scene import GRAVITY
 from ..blocks import support
 from ..lane_programs import Values, closed_form
-from ..state import UNKNOWN, BlockConstants, BlockState, Phase
+from ..state import NONE, BlockConstants, BlockState, Phase
 from ..trajectory import Ending
-
-
-def barrier(
-    constants: BlockConstants, slope: Values, rolling_friction: Values
-) -> Values:
-    """Compute the least kinetic energy for rolling [J]; 0 on a slope that tips the
-    block.
-
-    Args:
-        slope: angle w [rad], of either sign.
-        rolling_friction: tangent of phi_r.
-    """
-    whole = constants.round
-    steep = jnp.abs(jnp.tan(slope)) > whole.turning_slope + rolling_friction
-    height = whole.tallest - whole.radius
-    energy = constants.mass_properties.mass * GRAVITY * jnp.cos(slope) * height
-    return jnp.where(steep, 0.0, energy)
-
-
-class GroundMotion(NamedTuple):
-    """Motion of a block along the ground."""
-
-    rolls: Values
-    """1 if it rolls, 0 if it slides."""
-    direction: Values
-    """1 along t, -1 against it."""
-    speed_squared: Values
-    """Squared speed [m2/s2]; negative where the slope tips a block over that lies so
-    low that it has to go down first."""
-    stays: Values
-    """1 where the block lies too deep to come up."""
-
-
-def begin_ground_motion(
-    constants: BlockConstants,
-    slope: Values,
-    rolling_friction: Values,
-    height: Values,
-    tangential_velocity: Values,
-    angular_velocity: Values,
-) -> GroundMotion:
-    """Begin motion along the ground: rolling, sliding or rest.
-
-    The block is brought to rolling by an impulse at the ground, which leaves the
-    angular momentum about the contact as it is and costs the energy of the slip; its
-    centre comes to the height of the round block, which costs or gives energy. If the
-    rest takes it over its long axis it rolls. Else it slides at the velocity that it
-    has along the ground, and its rotation is lost.
-
-    Args:
-        height: height of the centre over the plane [m].
-    """
-    mass, inertia = constants.mass_properties
-    radius = constants.round.radius
-    whole = mass * radius**2 + inertia
-    spin = (mass * radius * tangential_velocity + inertia * angular_velocity) / whole
-    lift = mass * GRAVITY * jnp.cos(slope) * (radius - height)
-    energy = 0.5 * whole * spin**2 - lift
-    needed = barrier(constants, slope, rolling_friction)
-    rolls = (needed <= 0.0) | (energy >= needed)
-    turning_slope = constants.round.turning_slope
-    steep = jnp.abs(jnp.tan(slope)) > turning_slope + rolling_friction
-    rounding = 1e-9 * mass * GRAVITY * radius
-    energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
-    # A block that lies down loses its height; any height that it gains costs energy.
-    rise = jnp.maximum(constants.outline.smallest - height, 0.0)
-    sliding = tangential_velocity**2 - 2.0 * GRAVITY * jnp.cos(slope) * rise
-    along = jnp.where(rolls, spin, tangential_velocity)
-    # A block at rest starts down-slope.
-    direction = jnp.where(along == 0.0, slope, along)
-    return GroundMotion(
-        rolls=rolls.astype(float),
-        direction=jnp.where(direction >= 0.0, 1.0, -1.0),
-        speed_squared=jnp.where(
-            rolls, 2.0 * radius**2 * energy / whole, jnp.maximum(sliding, 0.0)
-        ),
-        stays=jnp.where(
-            rolls, (energy < 0.0) & ~steep, sliding < -1e-9 * GRAVITY * radius
-        ).astype(float),
-    )
-
 
 SMALL_RISE = 1e-2
 """Fraction of the smaller semi-axis; energies that would lift a block by less count as
@@ -121,11 +38,8 @@ in hundreds of hops of 0.2 mm."""
 
 
 def small_speed(smallest: Values, slope: Values) -> Values:
-    """Compute the speed across a plane below which there is no hop or impact [m/s].
-
-    Args:
-        smallest: height of the centre of the block lying on its flat side [m].
-    """
+    """Compute the speed across a plane below which there is no hop or impact [m/s], of
+    blocks by the height of their centres as they lie on their flat sides [m]."""
     return jnp.sqrt(2.0 * GRAVITY * jnp.cos(slope) * SMALL_RISE * smallest)
 
 
@@ -138,45 +52,63 @@ def begin_on_ground(
     tangential_velocity: Values,
     angular_velocity: Values,
 ) -> BlockState:
-    """Begin motion along the ground: decide whether a block rolls, where to, how fast.
+    """Begin motion along the ground: rolling, sliding or rest.
 
-    One that lies so low that the slope tips it over before it has the height to roll
-    goes down-slope for it.
+    The block is brought to rolling by an impulse at the ground, which leaves the
+    angular momentum about the contact as it is and costs the energy of the slip; its
+    centre comes to the height of the round block, which costs or gives energy. If the
+    rest takes it over its long axis it rolls. Else it slides at the velocity that it
+    has along the ground, and its rotation is lost. One that lies so low that the slope
+    tips it over before it has the height to roll goes down-slope for it.
 
     Args:
         plane: angle of the plane on which it rests [rad].
-        rolling_friction: that of the segment.
         height: height of its centre over the plane [m].
-        tangential_velocity, angular_velocity: velocities along it [m/s], and of
-            rotation [rad/s].
     """
-    motion = begin_ground_motion(
-        constants=constants,
-        slope=plane,
-        rolling_friction=rolling_friction,
-        height=height,
-        tangential_velocity=tangential_velocity,
-        angular_velocity=angular_velocity,
+    (mass, inertia), whole = constants.mass_properties, constants.round
+    radius, weight = whole.radius, mass * GRAVITY * jnp.cos(plane)
+    turning = mass * radius**2 + inertia
+    spin = (mass * radius * tangential_velocity + inertia * angular_velocity) / turning
+    energy = 0.5 * turning * spin**2 - weight * (radius - height)
+    steep = jnp.abs(jnp.tan(plane)) > whole.turning_slope + rolling_friction
+    # Least energy for rolling: none on a slope that tips the block.
+    needed = jnp.where(steep, 0.0, weight * (whole.tallest - radius))
+    can_roll = (needed <= 0.0) | (energy >= needed)
+    rolls = can_roll.astype(float)
+    rounding = 1e-9 * mass * GRAVITY * radius
+    energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
+    # A block that lies down loses its height; any height that it gains costs energy.
+    rise = jnp.maximum(constants.outline.smallest - height, 0.0)
+    sliding = tangential_velocity**2 - 2.0 * GRAVITY * jnp.cos(plane) * rise
+    squared = jnp.where(
+        can_roll, 2.0 * radius**2 * energy / turning, jnp.maximum(sliding, 0.0)
     )
-    stays, body = motion.stays > 0.0, block.body
-    over = jnp.where(stays, 0.0, constants.centre_height(motion.rolls) - height)
+    # It stays where it lies too deep to come up.
+    stays = jnp.where(
+        can_roll, (energy < 0.0) & ~steep, sliding < -1e-9 * GRAVITY * radius
+    )
+    along = jnp.where(can_roll, spin, tangential_velocity)
+    # A block at rest starts down-slope.
+    direction = jnp.where(along == 0.0, plane, along)
+
+    over = jnp.where(stays, 0.0, constants.centre_height(rolls) - height)
     sin, cos = jnp.sin(plane), jnp.cos(plane)
-    short = (motion.rolls > 0.0) & (motion.speed_squared < 0.0) & ~stays
-    whole = 1.0 + constants.inertia_ratio(motion.rolls)
-    missing = jnp.where(short, -motion.speed_squared, 0.0) * whole
+    short = can_roll & (squared < 0.0) & ~stays
+    missing = jnp.where(short, -squared, 0.0) * (1.0 + constants.inertia_ratio(rolls))
     down = jnp.where(plane >= 0.0, 1.0, -1.0)
-    along = down * missing / (2.0 * GRAVITY * jnp.where(short, jnp.abs(sin), 1.0))
+    way = down * missing / (2.0 * GRAVITY * jnp.where(short, jnp.abs(sin), 1.0))
+    body = block.body
     lying = lying_orientation(body.orientation, constants, plane)
     begun = block._replace(
         phase=jnp.full_like(block.phase, float(Phase.grounded)),
-        element=jnp.full_like(block.element, UNKNOWN),
-        rolls=motion.rolls,
-        direction=jnp.where(short, down, motion.direction),
-        speed_squared=jnp.where(short, 0.0, motion.speed_squared),
+        element=jnp.full_like(block.element, NONE),
+        rolls=rolls,
+        direction=jnp.where(short, down, jnp.where(direction >= 0.0, 1.0, -1.0)),
+        speed_squared=jnp.where(short, 0.0, squared),
     ).moved(
-        x=body.x + over * sin + along * cos,
-        y=body.y + over * cos - along * sin,
-        orientation=jnp.where(motion.rolls > 0.0, body.orientation, lying),
+        x=body.x + over * sin + way * cos,
+        y=body.y + over * cos - way * sin,
+        orientation=jnp.where(can_roll, body.orientation, lying),
     )
     return begun.ended(Ending.stopped, stays)
 
@@ -193,16 +125,13 @@ def lying_orientation(
 
 @closed_form
 def lie_down(block: BlockState, constants: BlockConstants, plane: Values) -> BlockState:
-    """Lay a block down that is too slow to roll: it slides on its flat side.
-
-    Args:
-        plane: angle of the plane on which it rests [rad].
-    """
+    """Lay a block down that is too slow to roll: it slides on its flat side, on a plane
+    at an angle [rad]."""
     drop = constants.round.radius - constants.outline.smallest
     sin, cos = jnp.sin(plane), jnp.cos(plane)
     return block._replace(
         rolls=jnp.zeros_like(block.rolls),
-        element=jnp.full_like(block.element, UNKNOWN),
+        element=jnp.full_like(block.element, NONE),
         normal_x=sin,
         normal_y=cos,
     ).moved(
@@ -212,26 +141,16 @@ def lie_down(block: BlockState, constants: BlockConstants, plane: Values) -> Blo
     )
 
 
-class TakeOff(NamedTuple):
-    """Block that leaves the ground."""
-
-    block: BlockState
-    flies: Values
-    """1 where the section leaves the ground too; else the block rolls on."""
-
-
 @closed_form
 def take_off(
     block: BlockState, constants: BlockConstants, normal_x: Values, normal_y: Values
-) -> TakeOff:
-    """Let blocks leave the ground.
+) -> tuple[BlockState, Values]:
+    """Let blocks leave the ground, where the path has this normal.
 
     A block that rolled has its section over the point that it touched, turning about it
     without slip, with the energy of the round block. It flies if it is fast enough for
-    that. A block that slid flies as it lies.
-
-    Args:
-        normal_x, normal_y: normal of the path where it leaves.
+    that. A block that slid flies as it lies. Those that do not fly, by the second
+    result, roll on.
     """
     mass, inertia = constants.mass_properties
     direction, body, rolls = block.direction, block.body, block.is_rolling
@@ -258,40 +177,29 @@ def take_off(
         v_y=-v_t * normal_x - v_n * normal_y,
         angular_velocity=jnp.where(rolls, spin, 0.0),
     )
-    return TakeOff(flying, loose | ~rolls)
-
-
-class Corner(NamedTuple):
-    """Corner of the path of a block's centre; directions are normals out of the
-    ground."""
-
-    here_x: Values
-    """Normal of the path along which the block came."""
-    here_y: Values
-    ahead_x: Values
-    """Normal of the plane that it strikes."""
-    ahead_y: Values
-    segment: Values
-    """Number of the segment that it strikes."""
+    return flying, loose | ~rolls
 
 
 @closed_form
 def strike_corner(
-    block: BlockState, constants: BlockConstants, corner: Corner
+    block: BlockState,
+    constants: BlockConstants,
+    here: tuple[Values, Values],
+    ahead: tuple[Values, Values],
+    segment: Values,
 ) -> BlockState:
-    """Let a block strike the ground ahead, with its velocity along the path.
+    """Let a block strike the ground ahead, with its velocity along the path; directions
+    are normals, of the path along which it came and of the plane on the segment ahead.
 
     The round block strikes; where the ellipse in its place would turn away from the
     plane, it does so along its nearest axis.
     """
     direction, body = block.direction, block.body
-    speed = block.speed
+    speed, (here_x, here_y), (sin, cos) = block.speed, here, ahead
     height = constants.centre_height(block.rolls)
     spin = jnp.where(block.is_rolling, direction * speed / height, 0.0)
-    sin, cos = corner.ahead_x, corner.ahead_y
     slope = jnp.arctan2(sin, cos)
-    turn = direction * (corner.here_x * cos - corner.here_y * sin)
-    closing = speed * turn
+    closing = speed * (direction * (here_x * cos - here_y * sin))
     theta = body.orientation - slope
     _, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     small = small_speed(constants.outline.smallest, slope)
@@ -299,14 +207,14 @@ def strike_corner(
     theta = jnp.where(closing + arm * spin < small, upright, theta)
     reach, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     return block._replace(
-        segment=corner.segment,
+        segment=segment,
         phase=jnp.full_like(block.phase, float(Phase.touching)),
         normal_x=sin,
         normal_y=cos,
         gap=height - reach,
     ).moved(
-        v_x=direction * speed * corner.here_y,
-        v_y=-direction * speed * corner.here_x,
+        v_x=direction * speed * here_y,
+        v_y=-direction * speed * here_x,
         angular_velocity=spin,
         orientation=theta + slope,
     )

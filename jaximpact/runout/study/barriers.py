@@ -32,7 +32,6 @@ from .intervals import (
     share_intervals_over_grounds,
 )
 
-KEY = "barriers"
 MOST_BARRIERS = 100
 """Largest number of barriers: each is rows of every table."""
 KEYS = ("name", "x_m", "height_m", "capacity_kJ")
@@ -54,26 +53,23 @@ class Barrier(NamedTuple):
 def read_barriers(path: Path, content: dict, profile: Profile) -> tuple[Barrier, ...]:
     """Read the tables `[[barriers]]`, in their order; none where there are none.
 
-    Args:
-        content: content of the file.
-
     Raises InputError, naming file and key, for a barrier that is not on the profile,
     for heights and capacities that are not above 0, and for names that stand twice.
     """
-    key, tables = Key(path)[KEY], content.get(KEY, [])
+    key, tables = Key(path)["barriers"], content.get("barriers", [])
     if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
         raise key.error("must be tables, each under a line [[barriers]]")
     if len(tables) > MOST_BARRIERS:
         raise key.error(f"are {len(tables)}, but at most {MOST_BARRIERS} are counted")
-    barriers: list[Barrier] = []
+    barriers: dict[str, Barrier] = {}
     for place, table in enumerate(tables, 1):
         barrier = _barrier(key[str(place)], table, profile)
-        if barrier.name in [other.name for other in barriers]:
+        if barrier.name in barriers:
             raise key[str(place)]["name"].error(
                 f"{barrier.name!r} stands twice; name tells barriers apart"
             )
-        barriers.append(barrier)
-    return tuple(barriers)
+        barriers[barrier.name] = barrier
+    return tuple(barriers.values())
 
 
 def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
@@ -98,17 +94,16 @@ def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
 
 DESIGN_PERCENTILES = (95, 99)
 DESIGN_QUANTITIES = {
-    "energy": ("barrier_energy_J", "kJ", 1e-3),
-    "speed": ("barrier_speed_mps", "m/s", 1.0),
-    "centre_height": ("barrier_centre_height_m", "m", 1.0),
-    "lowest_height": ("barrier_lowest_height_m", "m", 1.0),
+    "energy_kJ": ("energy_J", "kJ", 1e-3, "kinetic energy"),
+    "speed_mps": ("speed_mps", "m/s", 1.0, "speed"),
+    "centre_height_m": (
+        *("centre_height_m", "m", 1.0, "height of the centre above the ground"),
+    ),
+    "lowest_height_m": (
+        *("lowest_height_m", "m", 1.0, "height of the lowest point above the ground"),
+    ),
 }
-"""Quantities of design values: variable, unit and factor."""
-UNITS_IN_NAMES = {"kJ": "kJ", "m/s": "mps", "m": "m"}
-COLUMNS = (
-    *("barrier", "x_m", "height_m", "capacity_kJ"),
-    *("quantity", "blocks", "count", "value", "low", "high"),
-)
+"""Quantities of design values: variable, unit and factor in tables, and meaning."""
 EFFECT_WORDS = {
     "arrive, of all": "arriving",
     "pass over, of these": "over_of_arriving",
@@ -127,21 +122,6 @@ class BarrierEffect(enum.StrEnum):
     stopped = "is stopped"
 
 
-class Estimate(NamedTuple):
-    """Number estimated from blocks, with its interval of 95 %."""
-
-    quantity: str
-    """Name with the unit, such as energy_kJ_p95."""
-    blocks: int
-    """Number of blocks behind it."""
-    count: int | None
-    """Number of blocks of a share; None for a percentile."""
-    value: float
-    low: float
-    """Lower end; NaN where there are too few blocks for one."""
-    high: float
-
-
 def effects_of(
     barrier: Barrier, lowest_height: np.ndarray, energy: np.ndarray
 ) -> np.ndarray:
@@ -155,18 +135,13 @@ def effects_of(
             that do not come there.
         energy: kinetic energy there [J].
     """
-    return np.select(
-        [
-            np.isnan(lowest_height),
-            lowest_height > barrier.height,
-            energy > barrier.capacity,
-        ],
-        [
-            str(e)
-            for e in (BarrierEffect.none, BarrierEffect.over, BarrierEffect.broken)
-        ],
-        str(BarrierEffect.stopped),
-    )
+    none, over, broken, stopped = map(str, BarrierEffect)
+    conditions = [
+        np.isnan(lowest_height),
+        lowest_height > barrier.height,
+        energy > barrier.capacity,
+    ]
+    return np.select(conditions, [none, over, broken], stopped)
 
 
 def barrier_variables(
@@ -189,12 +164,8 @@ def barrier_variables(
     meaning = "effect of barrier and block on each other, at first passage"
     at, variables = ("block", "barrier"), {}
     variables["barrier_effect"] = (at, np.stack(effects, 1), {"long_name": meaning})
-    for name, unit, words in (
-        ("energy_J", "J", "kinetic energy"),
-        ("speed_mps", "m/s", "speed"),
-        ("centre_height_m", "m", "height of the centre above the ground"),
-        ("lowest_height_m", "m", "height of the lowest point above the ground"),
-    ):
+    for name, unit, _, words in DESIGN_QUANTITIES.values():
+        unit = "J" if unit == "kJ" else unit
         about = {"units": unit, "long_name": f"{words} at first passage of the barrier"}
         variables[f"barrier_{name}"] = (at, passages[f"passage_{name}"], about)
     coordinates: dict = {"barrier": np.array(names)}
@@ -208,12 +179,27 @@ def barrier_variables(
     return variables, coordinates
 
 
+class Estimate(NamedTuple):
+    """Number estimated from blocks, with its interval of 95 %."""
+
+    blocks: int  # number of blocks behind it
+    count: int | None  # number of blocks of a share; None for a percentile
+    value: float
+    low: float  # lower end; NaN where there are too few blocks for one
+    high: float
+
+
 class BarrierEstimates(NamedTuple):
-    """Estimates at a barrier."""
+    """Estimates at a barrier, by names with the unit, such as energy_kJ_p95."""
 
     barrier: Barrier
     estimates: dict[str, Estimate]
-    """Estimates by name."""
+
+    @property
+    def place(self) -> tuple[str, float, float, float]:
+        """Name, x [m], height [m] and capacity [kJ] of the barrier."""
+        name, x, height, capacity = self.barrier
+        return name, x, height, capacity / 1e3
 
 
 def estimates_at(
@@ -227,117 +213,110 @@ def estimates_at(
 
     Args:
         counted: False for blocks that failed, `(grounds, blocks)`.
-        passages: numbers by the names of `DESIGN_QUANTITIES`, in SI units; NaN for
-            blocks that do not arrive, `(grounds, blocks)`.
+        passages: the variables of `DESIGN_QUANTITIES` by name; NaN for blocks that do
+            not arrive, `(grounds, blocks)`.
     """
-    effects = effects_of(barrier, passages["lowest_height"], passages["energy"])
+    effects = effects_of(barrier, passages["lowest_height_m"], passages["energy_J"])
     arriving = counted & (effects != str(BarrierEffect.none))
     every, there = np.sum(counted, axis=1), np.sum(arriving, axis=1)
-    found = [_share("arriving", there, every)]
+    estimates = {"share_arriving": _share(there, every)}
     for of, blocks in (("all", every), ("arriving", there)):
         for effect in list(BarrierEffect)[1:]:
             count = np.sum(counted & (effects == str(effect)), axis=1)
-            found.append(_share(f"{effect.name}_of_{of}", count, blocks))
-    for name, (_, unit, factor) in DESIGN_QUANTITIES.items():
+            estimates[f"share_{effect.name}_of_{of}"] = _share(count, blocks)
+    for name, (variable, _, factor, _) in DESIGN_QUANTITIES.items():
         grounds = [
-            factor * values[own]
-            for values, own in zip(passages[name], arriving, strict=True)
+            factor * values[chosen]
+            for values, chosen in zip(passages[variable], arriving, strict=True)
         ]
         values = np.concatenate(grounds)
         for percent in DESIGN_PERCENTILES:
             value = float(np.percentile(values, percent)) if len(values) else np.nan
             ends = percentile_interval_over_grounds(grounds, percent)
-            quantity = f"{name}_{UNITS_IN_NAMES[unit]}_p{percent}"
-            found.append(Estimate(quantity, len(values), None, value, *ends))
-    return BarrierEstimates(barrier, {e.quantity: e for e in found})
+            estimate = Estimate(len(values), None, value, *ends)
+            estimates[f"{name}_p{percent}"] = estimate
+    return BarrierEstimates(barrier, estimates)
+
+
+def _share(counts: np.ndarray, blocks: np.ndarray) -> Estimate:
+    count, of = int(np.sum(counts)), int(np.sum(blocks))
+    (low,), (high,) = share_intervals_over_grounds(counts[:, None], blocks)
+    return Estimate(of, count, count / of if of else np.nan, float(low), float(high))
 
 
 def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
     """Estimate shares and design values at the barriers of a result; none where it has
     none."""
-    counted, found = dataset.ending.values != str(Ending.failed), []
+    counted, at_barriers = dataset.ending.values != str(Ending.failed), []
     for name in dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []:
         here = dataset.sel(barrier=name)
         numbers = (here.barrier_x_m, here.barrier_height_m, here.barrier_capacity_J)
         passages = {
-            quantity: here[variable].values[None]
-            for quantity, (variable, _, _) in DESIGN_QUANTITIES.items()
+            variable: here[f"barrier_{variable}"].values[None]
+            for variable, *_ in DESIGN_QUANTITIES.values()
         }
         barrier = Barrier(name, *map(float, numbers))
-        found.append(estimates_at(barrier, counted[None], passages))
-    return found
+        at_barriers.append(estimates_at(barrier, counted[None], passages))
+    return at_barriers
 
 
-def _share(name: str, counts: np.ndarray, blocks: np.ndarray) -> Estimate:
-    count, of = int(np.sum(counts)), int(np.sum(blocks))
-    (low,), (high,) = share_intervals_over_grounds(counts[:, None], blocks)
-    value = count / of if of else np.nan
-    return Estimate(f"share_{name}", of, count, value, float(low), float(high))
-
-
-def estimate_table(found: Sequence[BarrierEstimates]) -> Table:
+def estimate_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """List all estimates, for barriers.csv."""
+    columns = ("barrier", *KEYS[1:], "quantity", *Estimate._fields)
     rows = [
-        (barrier.name, *_numbers_of(barrier), *estimate)
-        for barrier, estimates in found
-        for estimate in estimates.values()
+        (*of.place, quantity, *estimate)
+        for of in at_barriers
+        for quantity, estimate in of.estimates.items()
     ]
-    return Table(COLUMNS, rows)
+    return Table(columns, rows)
 
 
-def barriers_in_json(found: Sequence[BarrierEstimates]) -> list[dict]:
+def barriers_in_json(at_barriers: Sequence[BarrierEstimates]) -> list[dict]:
     """Describe the barriers with their estimates, None for what is not known."""
-    described = []
-    for barrier, estimates in found:
-        x, height, capacity = _numbers_of(barrier)
-        by_name = {
-            name: {k: v for k, v in plain(estimate).items() if k != "quantity"}
-            for name, estimate in estimates.items()
-        }
-        of = {"name": barrier.name, "x_m": x, "height_m": height}
-        described.append(of | {"capacity_kJ": capacity, "estimates": by_name})
-    return described
+    return [
+        dict(zip(KEYS, of.place, strict=True)) | {"estimates": plain(of.estimates)}
+        for of in at_barriers
+    ]
 
 
-def effect_table(found: Sequence[BarrierEstimates]) -> Table:
+def effect_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """Write what becomes of blocks at each barrier."""
     rows = []
-    for barrier, estimates in found:
-        first = (barrier.name, *_numbers_of(barrier))
+    for of in at_barriers:
+        first = of.place
         for word, quantity in EFFECT_WORDS.items():
-            estimate = estimates[f"share_{quantity}"]
+            estimate = of.estimates[f"share_{quantity}"]
             share, ends = "-", "-"
             if estimate.blocks:
                 share = f"{estimate.value:.1%}"
                 ends = f"{estimate.low:.1%} to {estimate.high:.1%}"
             rows.append((*first, word, estimate.count, share, ends))
-            first = ("", "", "", "")
+            first = ("",) * len(first)
     columns = ("barrier", "x [m]", "height [m]", "capacity [kJ]")
     return Table((*columns, "", "blocks", "share", "interval"), rows)
 
 
-def design_table(found: Sequence[BarrierEstimates]) -> Table:
+def design_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """Write the design values at each barrier."""
     rows = []
-    for barrier, estimates in found:
+    for barrier, estimates in at_barriers:
         first = (barrier.name, estimates["share_arriving"].count)
-        for word, (_, unit, _) in DESIGN_QUANTITIES.items():
+        for name, (_, unit, *_) in DESIGN_QUANTITIES.items():
             cells = []
             for percent in DESIGN_PERCENTILES:
-                estimate = estimates[f"{word}_{UNITS_IN_NAMES[unit]}_p{percent}"]
+                estimate = estimates[f"{name}_p{percent}"]
                 cells += [estimate.value, interval_text(estimate.low, estimate.high)]
-            rows.append((*first, word.replace("_", " "), unit, *cells))
+            words = name.rpartition("_")[0].replace("_", " ")
+            rows.append((*first, words, unit, *cells))
             first = ("", "")
-    heads = (
-        cell for percent in DESIGN_PERCENTILES for cell in (f"{percent} %", "interval")
-    )
+    heads = [h for percent in DESIGN_PERCENTILES for h in (f"{percent} %", "interval")]
     return Table(("barrier", "blocks", "", "unit", *heads), rows)
 
 
-def too_few(found: Sequence[BarrierEstimates]) -> list[str]:
+def too_few(at_barriers: Sequence[BarrierEstimates]) -> list[str]:
     """Say at which barriers of a study there are too few blocks for an interval."""
     lines = []
-    for barrier, estimates in found:
+    for barrier, estimates in at_barriers:
         count = estimates["share_arriving"].count or 0
         short = [p for p in DESIGN_PERCENTILES if count < least_blocks(p)]
         if short:
@@ -347,8 +326,3 @@ def too_few(found: Sequence[BarrierEstimates]) -> list[str]:
                 f"interval; {needed} are needed."
             )
     return lines
-
-
-def _numbers_of(barrier: Barrier) -> tuple[float, float, float]:
-    """Give place [m], height [m] and capacity [kJ] of a barrier."""
-    return barrier.x, barrier.height, barrier.capacity / 1e3

@@ -21,16 +21,11 @@ from ..terrain import Profile
 from .quantity import read_quantity
 
 MASS, VOLUME = "mass_kg", "volume_m3"
-VOLUME_COLUMN = InputColumn(
+VOLUME_COLUMN = dataclasses.replace(
+    INPUT_COLUMNS[MASS],
     name=VOLUME,
-    part="block",
     field="volume",
-    factor=1.0,
     default=math.nan,
-    lower=0.0,
-    upper=math.inf,
-    lower_allowed=False,
-    upper_allowed=False,
     unit="m3",
     meaning="volume",
     usual=(1e-9, 1e5),
@@ -41,12 +36,9 @@ VOLUME_COLUMN = InputColumn(
 class BlockInput(NamedTuple):
     """Blocks as the file says them, in the units of its names."""
 
-    kinds: tuple[type[AbstractShape], ...]
-    """Shapes of the blocks."""
-    base: Block
-    """Block with a shape of each kind, all else being the default."""
-    quantities: dict[str, Quantity]
-    """Quantities by name; several shapes as their indices."""
+    kinds: tuple[type[AbstractShape], ...]  # shapes of the blocks
+    base: Block  # block with a shape of each kind, all else being the default
+    quantities: dict[str, Quantity]  # by name; several shapes as their indices
 
     @property
     def columns(self) -> dict[str, InputColumn]:
@@ -54,11 +46,7 @@ class BlockInput(NamedTuple):
         return columns_of_part("block", self.base)
 
     def of_samples(self, samples: Mapping[str, np.ndarray], count: int) -> Block:
-        """Make the blocks.
-
-        Args:
-            samples: samples of the quantities `(count,)`, by name.
-        """
+        """Make the blocks of samples `(count,)` by name."""
         base = self.base
         if len(self.kinds) > 1:
             kinds = [self.kinds[int(i)] for i in samples[SHAPE]]
@@ -97,8 +85,8 @@ def read_blocks(path: Path, content: dict) -> BlockInput:
 
 
 def _shapes(top: Key, content: dict) -> tuple[tuple[type[AbstractShape], ...], Block]:
-    """Read the shapes that the file names: one, or a list; give them, and a block with
-    a shape of each."""
+    """Read the shapes that the file names: one, or a list; and make a block with a
+    shape of each."""
     table = typed(top, content, "block", dict, {})
     key = top["block"]
     names = table.get(SHAPE)
@@ -128,8 +116,6 @@ RELEASE_KEYS = (
     *("orientation_deg", "angular_velocity_degps", LINE, SPACING),
 )
 NOT_NEGATIVE = ("clearance_m", "speed_mps")
-MOST_PLACES = 100_000
-"""Largest number of places of a line."""
 
 
 def read_release(path: Path, content: dict, profile: Profile) -> dict[str, Quantity]:
@@ -176,7 +162,7 @@ def make_release(
         release = Release(
             block,
             x,
-            np.where(np.isfinite(y), y, 0.0),  # off the profile, which is told next
+            np.where(np.isfinite(y), y, 0.0),  # off the profile, which is refused next
             along + speed * np.cos(direction),
             up + speed * np.sin(direction),
             orientation,
@@ -210,10 +196,10 @@ def _line(key: Key, line, spacing, profile: Profile) -> Quantity:
     spacing = number(key[SPACING], spacing)
     length = ends[1] - ends[0]
     # The last place may be the end of the line, but for rounding.
-    if not 0.0 < spacing <= length or length / spacing > MOST_PLACES:
+    if not 0.0 < spacing <= length or length / spacing > 100_000:
         raise key[SPACING].error(
             f"must be above 0 and at most the line's length along the ground, "
-            f"{length:g} m, with at most {MOST_PLACES} places, but is {spacing:g}"
+            f"{length:g} m, with at most 100000 places, but is {spacing:g}"
         )
     places = ends[0] + spacing * np.arange(int(length / spacing * (1.0 + 1e-12)) + 1)
     return tuple(np.minimum(places, ends[1]).tolist())

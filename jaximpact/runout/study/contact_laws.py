@@ -45,12 +45,8 @@ class NamedLaw(NamedTuple):
 
 
 def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]:
-    """Read one law from `[contacts]`, or as many as there are `[[contacts]]`.
-
-    Args:
-        content: content of the file.
-        accuracy: accuracy of the full model, in place of the file's.
-    """
+    """Read one law from `[contacts]`, or as many as there are `[[contacts]]`; the
+    accuracy of the full model stands in place of the file's."""
     top = Key(path)
     key, tables = top["contacts"], content.get("contacts", {"law": FULL_MODEL})
     if isinstance(tables, list) and not tables:
@@ -76,8 +72,11 @@ def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:
     if not isinstance(table, dict):
         raise key.error(f"must be a table, but is {table!r}")
     law = typed(key, table, "law", str, FULL_MODEL)
-    own = _own_law(top, law) if ":" in law else None
-    law = own.__name__ if own else choice(key, table, "law", FULL_MODEL, LAWS)
+    kind = _closed_form_class(top, law)
+    if ":" in law and kind:
+        law = kind.__name__
+    else:
+        law = choice(key, table, "law", FULL_MODEL, LAWS)
     name = typed(key, table, "name", str, law)
     if not re.search("[A-Za-z0-9]", name):
         raise key["name"].error(f"needs a letter or a digit, but is {name!r}")
@@ -89,9 +88,10 @@ def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:
         accuracy = accuracy or choice(
             top, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)
         )
-        told = {"law": law, "accuracy": accuracy}
-        return NamedLaw(name, FullModel(accuracy), told, {})
-    return _closed_form(key, table, law, name, own or CLOSED_FORMS[law])
+        described = {"law": law, "accuracy": accuracy}
+        return NamedLaw(name, FullModel(accuracy), described, {})
+    assert kind is not None
+    return _closed_form(key, table, law, name, kind)
 
 
 def _closed_form(
@@ -101,17 +101,20 @@ def _closed_form(
     columns = {column.name: column for column in own_columns(kind)}
     check_keys(key, table, ("law", "name", *columns))
     values = {}
-    for own, column in columns.items():
-        if own in table:
-            values[own] = allowed(key[own], column, table[own])
+    for parameter, column in columns.items():
+        if parameter in table:
+            values[parameter] = allowed(key[parameter], column, table[parameter])
         elif math.isnan(column.default):
-            raise key[own].error(f"is needed by the law {law}")
+            raise key[parameter].error(f"is needed by the law {law}")
         else:
-            values[own] = column.default
-    fields = {columns[own].field: columns[own].factor * v for own, v in values.items()}
-    told, checksums = {"law": law} | values, {}
+            values[parameter] = column.default
+    fields = {
+        columns[parameter].field: columns[parameter].factor * v
+        for parameter, v in values.items()
+    }
+    described, checksums = {"law": law} | values, {}
     if law not in CLOSED_FORMS:
-        told["class"] = name_of(kind)
+        described["class"] = name_of(kind)
         checksums = {file: _checksum(file) for file in [file_of(kind)] if file}
     try:
         contacts = ClosedForm(kind(**fields))
@@ -120,21 +123,24 @@ def _closed_form(
             f"{law} cannot be made of its parameters alone: {error}; declare each "
             "field as name: Scalar = parameter(default, unit, range, meaning)"
         ) from error
-    return NamedLaw(name, contacts, told, checksums)
+    return NamedLaw(name, contacts, described, checksums)
 
 
 def columns_of_law(top: Key, table: dict) -> dict[str, InputColumn]:
     """List the parameters of the law in closed form that a table names, by name; none
     for another law."""
     law = typed(top["contacts"], table, "law", str, FULL_MODEL)
-    kind = _own_law(top, law) if ":" in law else CLOSED_FORMS.get(law)
+    kind = _closed_form_class(top, law)
     return {column.name: column for column in own_columns(kind)} if kind else {}
 
 
-def _own_law(top: Key, text: str) -> type[AbstractRebound]:
-    """Find the class of a user's law."""
+def _closed_form_class(top: Key, law: str) -> type[AbstractRebound] | None:
+    """Find the class of a law in closed form, shipped or a user's; None for another
+    law."""
+    if ":" not in law:
+        return CLOSED_FORMS.get(law)
     with top["contacts"]["law"].located():
-        return find_class("law", AbstractRebound, text, top.file.parent)
+        return find_class("law", AbstractRebound, law, top.file.parent)
 
 
 def _checksum(file: Path) -> str:
@@ -152,13 +158,13 @@ def _tables(top: Key, name: str, table: dict) -> NamedLaw:
     checksums = {file: _checksum(file) for file in files}
     tables = [read_table(file) for file in files]
     errors = [table.error for table in tables if table.error is not None]
-    told = {
+    described = {
         "law": TABLE,
         "files": list(dict.fromkeys(file.name for file in files)),
         "median error": [float(f"{error.median:.3g}") for error in errors],
         "99 % error": [float(f"{error.of_99_percent:.3g}") for error in errors],
     }
-    return NamedLaw(name, Tabulated(tables), told, checksums)
+    return NamedLaw(name, Tabulated(tables), described, checksums)
 
 
 def check_law(

@@ -31,8 +31,6 @@ from ...plotting.style import (
 from ..terrain import Profile, ground_columns, ground_values
 from ..trajectory import Ending, Runs
 
-SPACING = 0.02
-"""Time between samples of a drawn trajectory [s]."""
 CURVES = (
     ("passage_energy_J", "kinetic energy [kJ]", 1e-3),
     ("passage_speed_mps", "speed [m/s]", 1.0),
@@ -47,55 +45,41 @@ ENVELOPES = (
 """Quantities along the profile: variable, label and factor."""
 GROUNDS = (SOIL, "#c9b99a", "#dfe3d3", "#b8c4bb", "#e6cfc3", "#a89f91")
 """Colours of the segments' grounds, in the order in which they come."""
-SHOWN_GROUNDS = len(GROUNDS)
-"""Largest number of grounds that are told apart; more are drawn in classes."""
-LEGEND_WIDTH = 95
-"""Number of characters that fit side by side into a legend, gaps included."""
 CLASSES = 5
 """Number of classes of a quantity of the ground that varies along the profile."""
-PALEST, DARKEST = 0.1, 0.55
-"""Parts of the colour map between which the ground's classes lie: trajectories must be
-seen on them."""
 
 
 @in_style
 def draw_trajectories(
-    runs: Runs,
-    drawn: "DrawnGrounds",
-    collectors: np.ndarray,
-    title: str,
+    runs: Runs, drawn: "DrawnGrounds", collectors: np.ndarray, title: str
 ) -> Figure:
     """Draw the trajectories of all blocks, coloured by speed, over the profile."""
     shape = np.ptp(runs.profile.y) / np.ptp(runs.profile.x)
     height = float(np.clip(0.9 * WIDTH * shape + 1.5, 2.8, 9.0))
     count = runs.release.count
-    figure, (axes,) = panels(
-        height=height, title=f"{plain(title)}: the first {count} trajectories"
-    )
+    title = f"{plain(title)}: the first {count} trajectories"
+    figure, (axes,) = panels(height=height, title=title)
     grounds = _draw_ground(axes, runs.profile, drawn)
     lines, speeds = [], []
     for i in range(count):
-        samples = runs.path(i, SPACING)
+        samples = runs.path(i, 0.02)  # [s]; smooth at the size of a page
         points = np.stack([samples["x"], samples["y"]], axis=1)
-        lines.append(np.stack([points[:-1], points[1:]], axis=1))
+        lines += [*np.stack([points[:-1], points[1:]], axis=1)]
         speeds.append(np.hypot(samples["v_x"], samples["v_y"])[:-1])
-    coloured = LineCollection(
-        list(np.concatenate(lines)), array=np.concatenate(speeds), cmap="viridis", lw=1
-    )
+    coloured = LineCollection(lines, array=np.concatenate(speeds), cmap="viridis", lw=1)
     axes.add_collection(coloured)
-    (ends,) = axes.plot(runs.x, runs.y, ".", color=VERMILION, ms=5, label="end")
-    handles = [ends, *grounds]
+    handles = [*axes.plot(runs.x, runs.y, ".", color=VERMILION, ms=5, label="end")]
     for x in collectors:
         line = axes.axvline(x, color=GREY, ls="--", lw=1.0, label="collector")
-    if len(collectors):
-        handles.insert(1, line)
+    handles += [line] if len(collectors) else []
+    handles += grounds
     figure.colorbar(coloured, ax=axes, label="speed [m/s]", shrink=0.8, pad=0.01)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
+    # Some 95 characters fit side by side into a legend.
     longest = max(len(str(handle.get_label())) for handle in handles)
-    columns = max(1, min(4, LEGEND_WIDTH // (longest + 6)))
-    legend_outside(figure, handles, ncols=columns)
+    legend_outside(figure, handles, ncols=max(1, min(4, 95 // (longest + 6))))
     return figure
 
 
@@ -152,11 +136,12 @@ def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
     passes. Of several laws, each collector has a row."""
     first, several = next(iter(datasets.values())), len(datasets) > 1
     collectors = [f"x = {x:g} m" for x in first.collector.values]
-    rows = [
-        [(law, dataset, place) for law, dataset in datasets.items()]
-        for place in range(len(collectors))
-    ]
-    if not several:
+    if several:
+        rows = [
+            [(law, dataset, place) for law, dataset in datasets.items()]
+            for place in range(len(collectors))
+        ]
+    else:
         rows = [[(words, first, place) for place, words in enumerate(collectors)]]
     figure, axes = panels(
         *(len(rows), len(CURVES)),
@@ -172,37 +157,32 @@ def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
         place = f"{collectors[row]}:\n" if several else ""
         in_row[0].set_ylabel(f"{place}fraction of blocks [-]")
     # Only now: a limit set on shared axes stops them from growing with the next row.
-    _finish_exceedance(axes)
+    for panel, (_, label, _) in zip(axes[-len(CURVES) :], CURVES, strict=True):
+        panel.set_xlabel(label)
+    for panel in axes:
+        panel.set_xlim(left=0.0)
+        panel.set_ylim(0.0, 1.02)
     legend_outside(figure, axes[0].lines, ncols=3)
     return figure
 
 
 @in_style
 def draw_comparison(
-    datasets: Mapping[str, xr.Dataset],
-    profile: Profile,
-    drawn: "DrawnGrounds",
+    datasets: Mapping[str, xr.Dataset], profile: Profile, drawn: "DrawnGrounds"
 ) -> Figure:
     """Draw where blocks stopped by each law, and its envelopes along the profile."""
     title = plain(next(iter(datasets.values())).title)
-    figure, axes = panels(
-        5,
-        height=1.8,
-        title=f"{title}: stops, and 95 % of the blocks' largest values in bins of x",
-        sharex=True,
-    )
+    title = f"{title}: stops, and 95 % of the blocks' largest values in bins of x"
+    figure, axes = panels(5, height=1.8, title=title, sharex=True)
     for place, (law, dataset) in enumerate(datasets.items()):
-        x = np.sort(stops_of(dataset))
-        fraction = np.arange(1, len(x) + 1) / max(np.sum(valid_blocks(dataset)), 1)
+        x, look = np.sort(stops_of(dataset)), curve(place)
+        count = max(np.sum(valid_blocks(dataset)), 1)
+        fraction = np.array([0.0, *range(1, len(x) + 1), len(x)]) / count
         places = np.concatenate([profile.x[:1], x, profile.x[-1:]])
-        last = fraction[-1:] if len(x) else [0.0]
-        fraction = np.concatenate([[0.0], fraction, last])
-        axes[0].step(places, fraction, where="post", label=plain(law), **curve(place))
+        axes[0].step(places, fraction, where="post", label=plain(law), **look)
         for panel, (name, _, factor) in zip(axes[1:], ENVELOPES, strict=False):
             values = dataset[f"{name}_percentiles"].sel(percentile=95).values
-            panel.stairs(
-                factor * values, _edges(dataset), baseline=None, **curve(place)
-            )
+            panel.stairs(factor * values, _edges(dataset), baseline=None, **look)
     axes[0].set_ylabel("fraction\nstopped by x [-]")
     axes[0].set_ylim(0.0, 1.02)
     _finish_envelopes(axes[1:4], axes[4], profile, drawn)
@@ -228,18 +208,13 @@ def _edges(dataset: xr.Dataset) -> np.ndarray:
 def _draw_exceedance(
     axes: list[Axes], dataset: xr.Dataset, collector: int, label: str, look: dict
 ) -> None:
-    """Draw the fractions of blocks above each value of first passages, NaN for blocks
-    that do not pass."""
     for panel, (name, _, factor) in zip(axes, CURVES, strict=True):
         values = factor * dataset[name].values[valid_blocks(dataset), collector]
         passing = np.sort(values[np.isfinite(values)])
         fraction = np.arange(len(passing), 0, -1) / max(len(values), 1)
-        panel.step(
-            np.concatenate([[0.0], passing]),
-            np.concatenate([fraction[:1] if len(fraction) else [0.0], fraction]),
-            label=plain(label),
-            **look,
-        )
+        first = fraction[0] if len(fraction) else 0.0
+        x, y = np.append(0.0, passing), np.append(first, fraction)
+        panel.step(x, y, label=plain(label), **look)
 
 
 def _finish_envelopes(
@@ -252,30 +227,14 @@ def _finish_envelopes(
     ground.set(xlabel="x [m]", ylabel="y [m]")
 
 
-def _finish_exceedance(axes: list[Axes]) -> None:
-    for panel, (_, label, _) in zip(axes[-len(CURVES) :], CURVES, strict=True):
-        panel.set_xlabel(label)
-    for panel in axes:
-        panel.set_xlim(left=0.0)
-        panel.set_ylim(0.0, 1.02)
-
-
 def _draw_ground(axes: Axes, profile: Profile, drawn: "DrawnGrounds") -> list[Patch]:
     """Draw the profile, segments of different ground in different colours, and give the
     entries of a legend."""
-    bottom = bottom_of(profile)
     for segment, ground in enumerate(drawn.number):
-        ends = slice(segment, segment + 2)
-        colour = drawn.colours[ground]
+        ends, colour = slice(segment, segment + 2), drawn.colours[ground]
+        x, y, bottom = profile.x[ends], profile.y[ends], bottom_of(profile)
         # An edge, or pale gaps show between the cells of a ground that varies.
-        axes.fill_between(
-            profile.x[ends],
-            profile.y[ends],
-            bottom,
-            facecolor=colour,
-            ec=colour,
-            lw=0.3,
-        )
+        axes.fill_between(x, y, bottom, facecolor=colour, ec=colour, lw=0.3)
     axes.plot(profile.x, profile.y, color="black", lw=1.0)
     entries = [
         Patch(color=colour, label=f"ground: {words}")
@@ -287,42 +246,36 @@ def _draw_ground(axes: Axes, profile: Profile, drawn: "DrawnGrounds") -> list[Pa
 class DrawnGrounds(NamedTuple):
     """Grounds of a profile as they are drawn."""
 
-    number: list[int]
-    """Number of each segment's ground."""
-    colours: list[str]
-    """Colour of each ground."""
-    words: list[str]
-    """Description of each ground, in a few words."""
+    number: list[int]  # number of each segment's ground
+    colours: list[str]  # colour of each ground
+    words: list[str]  # description of each ground, in a few words
 
 
 def drawn_grounds(
     profile: Profile, materials: Sequence[str] = (), random: Collection[str] = ()
 ) -> DrawnGrounds:
-    """Choose colours and words for the grounds of a profile.
+    """Choose colours and words for the grounds of a profile, by `grounds_of`.
 
-    Args:
-        materials, random: as in `grounds_of`.
-
-    Where there are more than `SHOWN_GROUNDS`, as on a ground that varies along the way,
-    they are drawn in classes of equal width of the quantity that varies most.
+    Where there are more than there are colours, as on a ground that varies along the
+    way, they are drawn in classes of equal width of the quantity that varies most.
     """
     number, descriptions = grounds_of(profile, materials, random)
-    if len(descriptions) <= SHOWN_GROUNDS:
+    if len(descriptions) <= len(GROUNDS):
         words = [", ".join(words[:3]) or "one ground" for words in descriptions]
         return DrawnGrounds(number, list(GROUNDS[: len(descriptions)]), words)
     names, values = _ground_values(profile, random)
     spread = np.std(values, axis=0) / np.maximum(np.mean(np.abs(values), axis=0), 1e-12)
     most = int(np.argmax(spread))
     edges = np.linspace(values[:, most].min(), values[:, most].max(), CLASSES + 1)
-    place = np.clip(
-        np.searchsorted(edges, values[:, most], "right") - 1, 0, CLASSES - 1
-    )
-    shades = colormaps["YlOrBr"](np.linspace(PALEST, DARKEST, CLASSES))
+    place = np.searchsorted(edges, values[:, most], "right") - 1
+    # Pale colours of the map: trajectories must be seen on them.
+    shades = colormaps["YlOrBr"](np.linspace(0.1, 0.55, CLASSES))
     words = [
         f"{names[most]} = {low:.3g} to {high:.3g}"
         for low, high in itertools.pairwise(edges)
     ]
-    return DrawnGrounds(place.tolist(), [to_hex(shade) for shade in shades], words)
+    number = np.clip(place, 0, CLASSES - 1).tolist()
+    return DrawnGrounds(number, [to_hex(shade) for shade in shades], words)
 
 
 def grounds_of(
@@ -358,8 +311,8 @@ def grounds_of(
 def _ground_values(
     profile: Profile, random: Collection[str]
 ) -> tuple[list[str], np.ndarray]:
-    """Give the names of the ground's quantities that are not random and their values by
-    segment, in the units of their names, `(segments, quantities)`."""
+    """Give names and values, `(segments, quantities)` in the units of the names, of the
+    ground's quantities that are not random."""
     columns = ground_columns(profile.soil)
     names = [name for name in columns if name not in random]
     values = ground_values(profile)

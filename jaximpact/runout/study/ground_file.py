@@ -1,190 +1,31 @@
-r"""Ground of a study, from its file and from the calibration that it names.
+"""Ground of a study, from its file: quantities of the whole slope and of parts of it,
+and where on the profile each of them holds."""
 
-From a calibration each block gets one of the samples of the fit, by their weights.
-Where the study gives a value $p_g$ for some of the parameters, the others of the sample
-follow by the regression on these, in the coordinates x of the fit:
-
-$$ x_o + C_{og} C_{gg}^{-1} (x(p_g) - x_g) $$
-
-with the covariance C of the samples; for a normal posterior that is the conditional
-distribution.
-"""
-
-import hashlib
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import NamedTuple, cast
 
 import numpy as np
-from scipy.special import ndtri
 
-from ...errors import InputError, UnusualValueWarning, nearest
-from ...io.files import read_input
-from ...io.toml import Key, number, typed, unknown, with_named_parts
+from ...errors import nearest
+from ...io.toml import Key, number, of_kind, typed, unknown, with_named_parts
 from ...parameters import parts_of
 from ...scene import Soil
-from ..random_inputs import Quantity, RandomField, uniforms
-from ..terrain import Ground, ground_columns, ground_values, with_ground_values
-from .ground_layout import GroundLayout, GroundPart
-from .quantity import read_ground_quantity
-
-if TYPE_CHECKING:
-    # All of the calibration, which takes a while to load.
-    from ...calibration.fitted_ground import FittedGround, FittedVariant
-    from ...calibration.problem.bounds import Bounds
-
-
-class Calibrated(NamedTuple):
-    """Posterior of the ground's parameters from a calibration."""
-
-    file: Path
-    checksum: str
-    """SHA-256 of the file."""
-    soil: Soil
-    """Soil with the laws of the calibration."""
-    fixed: dict[str, float]
-    """Values of the soil in the calibration, in the units of their names."""
-    names: tuple[str, ...]
-    """Names of the fitted parameters."""
-    undetermined: dict[str, str]
-    """Reasons why parameters are not identifiable, by name."""
-    bounds: "Bounds"
-    """Bounds and coordinates of the fit."""
-    samples: np.ndarray
-    """Samples of the coordinates x, `(samples, parameters)`."""
-    weights: np.ndarray
-    """Weights of the samples, of sum 1, `(samples,)`."""
-    group_sd: np.ndarray
-    """Standard deviation of the logarithm of a group's factor on each parameter,
-    `(parameters,)`; 0 for one that does not differ by group."""
-
-    def draw(
-        self, given: Mapping[str, np.ndarray], count: int, seed: int
-    ) -> dict[str, np.ndarray]:
-        """Sample the parameters that are not given, `(count,)` each; block i gets the
-        same whatever the count.
-
-        Args:
-            given: values of the other parameters, `(count,)` each.
-        """
-        is_given = np.array([name in given for name in self.names], bool)
-        others, held = np.flatnonzero(~is_given), np.flatnonzero(is_given)
-        if not len(others):
-            return {}
-        place = np.searchsorted(
-            np.cumsum(self.weights), uniforms(seed, "calibrated", count)
-        )
-        x = self.samples[np.minimum(place, len(self.weights) - 1)]
-        # A slope is a group of its own.
-        for i in np.flatnonzero(self.group_sd):
-            stream = f"calibrated {self.names[i]}"
-            x[:, i] += self.group_sd[i] * ndtri(uniforms(seed, stream, count))
-        if len(held):
-            values = self.bounds.parameter(x)
-            for i in held:
-                values[:, i] = given[self.names[i]]
-                self._check(int(i), values[:, i])
-            covariance = np.cov(self.samples.T, aweights=self.weights, ddof=0)
-            covariance = np.atleast_2d(covariance) + np.diag(self.group_sd**2)
-            across = np.linalg.pinv(covariance[np.ix_(held, held)])
-            across = across @ covariance[np.ix_(held, others)]
-            apart = self.bounds.coordinate(values)[:, held] - x[:, held]
-            x[:, others] += apart @ across
-        values = np.clip(self.bounds.parameter(x), self.bounds.lower, self.bounds.upper)
-        return {self.names[i]: values[:, i] for i in others}
-
-    def _check(self, place: int, values: np.ndarray) -> None:
-        low, high = self.bounds.lower[place], self.bounds.upper[place]
-        bad = ~((values >= low) & (values <= high))
-        if np.any(bad):
-            raise InputError(
-                f"was fitted with {self.names[place]} between {low:g} and {high:g}, "
-                f"but it is {values[bad][0]:g} for block {np.argmax(bad)}",
-                file=self.file,
-            )
-
-
-def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
-    """Read the posterior that `jaximpact calibrate` wrote.
-
-    Args:
-        path: directory of the calibration, or fit.json in there.
-        variant: name of the study's variant, if it has several.
-
-    Raises InputError, naming the file, for whatever cannot be used; warns of samples
-    that hardly tell the posterior.
-    """
-    from ...calibration.fitted_ground import FILE, read_fitted
-    from ...calibration.problem.bounds import Bounds
-
-    file = path / FILE if path.is_dir() else path
-    checksum = hashlib.sha256(read_input(file, once=False)).hexdigest()
-    ground = read_fitted(file)
-    fit = _variant(file, ground, variant)
-    if ground.tied:
-        raise InputError(
-            f"has {', '.join(tied.name for tied in ground.tied)} tied to other "
-            "parameters by an expression, which a run-out does not take; say the "
-            "values under [ground]",
-            file=file,
-        )
-    parts = ground.parts | fit.variant.laws
-    soil = Soil(**{slot: parts[slot] for slot in parts_of(Soil) if slot in parts})
-    names = tuple(parameter.name for parameter in ground.parameters)
-    fixed = ground.soil | fit.variant.soil
-    columns = ground_columns(soil)
-    unknown = [name for name in (*names, *fixed) if name not in columns]
-    if unknown:
-        raise InputError(f"holds {unknown[0]}, which no ground has", file=file)
-    if not fit.trusted:
-        count = 1.0 / np.sum(fit.weights**2)
-        text = (
-            f"{file}: the effective sample size is {count:.0f} of {len(fit.weights)} "
-            "samples, too small for the spread of the ground; `jaximpact calibrate "
-            "--posterior` samples the posterior itself"
-        )
-        warnings.warn(UnusualValueWarning(text, "from"), stacklevel=1)
-    bounds = Bounds(
-        np.array([parameter.lower for parameter in ground.parameters], float),
-        np.array([parameter.upper for parameter in ground.parameters], float),
-        np.array([parameter.logarithmic for parameter in ground.parameters], bool),
-    )
-    places = [fit.unknowns.index(name) for name in names]
-    groups = (ground.nuisances.get(name, {}) for name in names)
-    return Calibrated(
-        file=file,
-        checksum=checksum,
-        soil=soil,
-        fixed={name: float(value) for name, value in fixed.items()},
-        names=names,
-        undetermined=fit.undetermined,
-        bounds=bounds,
-        samples=bounds.coordinate(fit.draws[:, places]),
-        weights=fit.weights,
-        group_sd=np.array(
-            [entry["prior"]["sd"] if entry.get("pooled") else 0.0 for entry in groups]
-        ),
-    )
-
-
-def _variant(file: Path, ground: "FittedGround", wanted: str | None) -> "FittedVariant":
-    fits = {fit.variant.name: fit for fit in ground.variants}
-    if wanted is None and len(fits) == 1:
-        return ground.variants[0]
-    if wanted is None:
-        raise InputError(
-            f"holds {len(fits)} variants; variant must say which: {', '.join(fits)}",
-            file=file,
-        )
-    if wanted not in fits:
-        raise InputError(
-            f"holds no variant {wanted!r}; did you mean {nearest(wanted, [*fits])!r}?",
-            file=file,
-        )
-    return fits[wanted]
-
+from ..random_inputs import Quantity, RandomField
+from ..smoothing import Smoothing
+from ..terrain import (
+    Ground,
+    Profile,
+    ground_columns,
+    ground_values,
+    stretches,
+    subdivide,
+    with_ground_values,
+)
+from .calibrated_ground import Calibrated, read_calibrated
+from .quantity import LENGTH, read_ground_quantity
 
 LAWS = tuple(parts_of(Soil))
 """Keys of the ground that name laws."""
@@ -193,21 +34,63 @@ NO_QUANTITIES = (*PARTS, "from", "variant", *LAWS)
 """Keys of the ground that are no quantities."""
 ENDS = ("from_x_m", "to_x_m")
 """Keys of a material that are no quantities."""
-SEGMENT_NAME, MATERIAL_NAME = "[1-9][0-9]*|0", r"[A-Za-z0-9_-]+"
+MOST_CELLS = 5_000
+"""Largest number of cells of a field: a block that rolls takes an event for each, and
+has 10 000 unless the study says otherwise."""
+
+Quantities = dict[str, Quantity | RandomField]
+"""Quantities of the ground by their keys in the file."""
+
+
+class GroundPart(NamedTuple):
+    """Part of the slope with quantities of its own: a segment or a material."""
+
+    name: str  # of a material, number of a segment
+    segment: int | None = None  # index, from 0
+    ends: tuple[float, ...] | None = None
+    """Least and largest x of a material [m]; None where the profile names it."""
+
+
+class GroundLayout(NamedTuple):
+    """Profile of a study, with what holds on which of its segments."""
+
+    profile: Profile
+    """The profile, cut where the ground changes within a segment, with the ground that
+    is alike for all blocks."""
+    places: dict[str, np.ndarray]  # bool `(segments,)` of each part, by key
+    owners: dict[str, list[str]]  # keys of the parts with a quantity of their own
+    materials: tuple[str, ...]  # material of each segment, "" for none
+    smoothing: Smoothing | None = None  # what a smoothing did to the profile
+
+    @property
+    def middles(self) -> np.ndarray:
+        """x of the middles of the segments [m], `(segments,)`."""
+        return 0.5 * (self.profile.x[1:] + self.profile.x[:-1])
+
+    def where(self, key: str) -> np.ndarray:
+        """Tell on which segments a quantity holds, by its key, bool `(segments,)`: on
+        its part, or for the whole slope where no part has one of its own."""
+        _, *part, name = key.split(".")
+        if part:
+            return self.places[".".join(part)]
+        elsewhere = np.zeros(self.profile.segments, bool)
+        for owner in self.owners.get(name, ()):
+            elsewhere |= self.places[owner]
+        return ~elsewhere
 
 
 class GroundInput(NamedTuple):
-    """Ground as the file says it, in the units of its names."""
+    """Ground as the file says it, in the units of its names.
+
+    Keys of quantities are those of the file, such as ground.c_v and
+    ground.materials.scree.c_v.
+    """
 
     path: Path
-    soil: Soil
-    """Soil with the laws; the values of parameters are in the other fields."""
-    everywhere: dict[str, Quantity | RandomField]
-    """Quantities of the whole slope, by name."""
-    parts: dict[str, GroundPart]
-    """Segments and materials with quantities of their own, by key."""
-    calibrated: Calibrated | None
-    """Calibration to sample parameters from, other than those in `everywhere`."""
+    soil: Soil  # gives the laws; values are in the other fields
+    quantities: Quantities
+    parts: dict[str, GroundPart]  # by keys under [ground]: materials.scree
+    calibrated: Calibrated | None  # to sample the rest from
 
     @classmethod
     def read(cls, path: Path, content: dict) -> "GroundInput":
@@ -222,55 +105,58 @@ class GroundInput(NamedTuple):
                 "has segments and materials; say what differs along the slope by one "
                 "of them"
             )
-        parts = _segments(key, table, soil) | _materials(key, table, soil)
         everywhere = {k: v for k, v in table.items() if k not in NO_QUANTITIES}
-        everywhere = _quantities(key, everywhere, soil, NO_QUANTITIES)
+        quantities = _quantities(key, everywhere, soil, NO_QUANTITIES)
         if calibrated is not None:
-            _check_calibrated(key, table, calibrated, everywhere)
-            everywhere = calibrated.fixed | everywhere
-        return cls(path, soil, everywhere, parts, calibrated)
+            _check_calibrated(key, table, calibrated, quantities)
+            fixed = {f"ground.{name}": v for name, v in calibrated.fixed.items()}
+            quantities = fixed | quantities
+        parts: dict[str, GroundPart] = {}
+        for kind, read in (("segment", _segment), ("materials", _material)):
+            for name, values in typed(key, table, kind, dict, {}).items():
+                parts[f"{kind}.{name}"], of_part = read(key[kind], name, values, soil)
+                quantities |= of_part
+        return cls(path, soil, quantities, parts, calibrated)
 
     def sampled_jointly(self) -> dict[str, str]:
         """List the parameters that are sampled from a calibration, by key."""
         names = self.calibrated.names if self.calibrated else ()
-        return {f"ground.{n}": n for n in names if n not in self.everywhere}
+        keys = {f"ground.{name}": name for name in names}
+        return {key: n for key, n in keys.items() if key not in self.quantities}
 
     def sample_jointly(
         self, samples: Mapping[str, np.ndarray], count: int, seed: int
     ) -> dict[str, np.ndarray]:
-        """Sample these parameters.
-
-        Args:
-            samples: samples of the quantities of `varied`, by key.
-
-        Returns:
-            Samples `(count,)` by key.
-        """
+        """Sample these parameters, `(count,)` by key, given the samples of `varied`."""
         if self.calibrated is None or not self.sampled_jointly():
             return {}
-        given = {}
-        for name, value in self.everywhere.items():
-            if name in self.calibrated.names:
+        said = {}
+        for name in self.calibrated.names:
+            if (value := self.quantities.get(f"ground.{name}")) is not None:
                 sampled = samples.get(f"ground.{name}")
                 # Without samples a number: fields are refused beside a calibration.
-                given[name] = np.full(count, value) if sampled is None else sampled
-        found = self.calibrated.draw(given, count, seed)
-        return {f"ground.{name}": values for name, values in found.items()}
+                said[name] = np.full(count, value) if sampled is None else sampled
+        drawn = self.calibrated.draw(said, count, seed)
+        return {f"ground.{name}": values for name, values in drawn.items()}
 
-    def _by_key(self) -> dict[str, Quantity | RandomField]:
-        keys = {f"ground.{name}": q for name, q in self.everywhere.items()}
-        for part in self.parts.values():
-            keys |= {f"ground.{part.key}.{n}": q for n, q in part.quantities.items()}
-        return keys
+    def alike(self) -> Iterator[tuple[str, str, float]]:
+        """Yield key, name and value, in SI units, of the quantities that are a
+        number."""
+        columns = ground_columns(self.soil)
+        for key, value in self.quantities.items():
+            if isinstance(value, float):
+                name = key.split(".")[-1]
+                yield key, name, columns[name].factor * value
 
     def varied(self) -> dict[str, Quantity]:
         """List the quantities that differ from block to block by themselves, by key."""
-        keys = self._by_key().items()
-        return {k: q for k, q in keys if not isinstance(q, float | RandomField)}
+        quantities = self.quantities.items()
+        return {k: q for k, q in quantities if not isinstance(q, float | RandomField)}
 
     def fields(self) -> dict[str, RandomField]:
         """List the quantities that vary along the slope, by key."""
-        return {k: q for k, q in self._by_key().items() if isinstance(q, RandomField)}
+        quantities = self.quantities.items()
+        return {k: q for k, q in quantities if isinstance(q, RandomField)}
 
     def sample_fields(
         self, layout: GroundLayout, count: int, seed: int
@@ -285,65 +171,48 @@ class GroundInput(NamedTuple):
         }
 
     def of_blocks(self, layout: GroundLayout, samples: Mapping, seed: int) -> Ground:
-        """Make the ground as each block finds it.
-
-        Args:
-            samples: samples by the keys of `varied`, `fields` and `sampled_jointly`.
-        """
+        """Make the ground as each block finds it, from samples by the keys of `varied`,
+        `fields` and `sampled_jointly`."""
         profile = layout.profile
-        columns, found = ground_columns(profile.soil), ground_values(profile)
+        columns, by_name = ground_columns(profile.soil), ground_values(profile)
         for key in (*self.sampled_jointly(), *self.varied(), *self.fields()):
-            name = key.split(".")[-1]
-            own = samples[key].reshape(len(samples[key]), -1)
-            values, where = columns[name].factor * own, layout.where(key)
+            name, where = key.split(".")[-1], layout.where(key)
+            values = samples[key].reshape(len(samples[key]), -1)
+            values = columns[name].factor * values
             if not np.all(where):
-                whole = np.broadcast_to(found[name], (len(values), profile.segments))
-                whole = np.array(whole)
+                shape = len(values), profile.segments
+                whole = np.array(np.broadcast_to(by_name[name], shape))
                 whole[:, where] = values
                 values = whole
-            found[name] = values
-        return Ground(*with_ground_values(profile.soil, found), seed)
+            by_name[name] = values
+        return Ground(*with_ground_values(profile.soil, by_name), seed)
 
 
-def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, GroundPart]:
-    parts, segments = {}, typed(ground, table, "segment", dict, {})
-    for name in segments:
-        key = ground["segment"][name]
-        if not re.fullmatch(SEGMENT_NAME, name):
-            raise key.error("must be the number of a segment")
-        values = typed(ground["segment"], segments, name, dict)
-        quantities = _quantities(key, values, soil)
-        parts[f"segment.{name}"] = GroundPart(
-            f"segment.{name}", quantities, int(name) - 1
-        )
-    return parts
+def _segment(
+    table: Key, name: str, values, soil: Soil
+) -> tuple[GroundPart, Quantities]:
+    if not re.fullmatch("[1-9][0-9]*|0", name):
+        raise table[name].error("must be the number of a segment")
+    values = of_kind(table[name], values, dict)
+    return GroundPart(name, int(name) - 1), _quantities(table[name], values, soil)
 
 
-def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, GroundPart]:
-    parts, materials = {}, typed(ground, table, "materials", dict, {})
-    for name in materials:
-        key = ground["materials"][name]
-        if not re.fullmatch(MATERIAL_NAME, name):
-            raise key.error("must be a name of letters, digits, _ and -")
-        values = dict(typed(ground["materials"], materials, name, dict))
-        ends = [number(key[end], values.pop(end)) for end in ENDS if end in values]
-        quantities = _quantities(key, values, soil, ENDS)
-        if len(ends) == 1 or (ends and not ends[0] < ends[1]):
-            raise key.error("needs from_x_m and to_x_m, the larger one")
-        parts[f"materials.{name}"] = GroundPart(
-            f"materials.{name}", quantities, ends=tuple(ends) or None
-        )
-    return parts
+def _material(
+    table: Key, name: str, values, soil: Soil
+) -> tuple[GroundPart, Quantities]:
+    key = table[name]
+    if not re.fullmatch("[A-Za-z0-9_-]+", name):
+        raise key.error("must be a name of letters, digits, _ and -")
+    values = dict(of_kind(key, values, dict))
+    ends = [number(key[end], values.pop(end)) for end in ENDS if end in values]
+    quantities = _quantities(key, values, soil, ENDS)
+    if len(ends) == 1 or (ends and not ends[0] < ends[1]):
+        raise key.error("needs from_x_m and to_x_m, the larger one")
+    return GroundPart(name, ends=tuple(ends) or None), quantities
 
 
-def _quantities(
-    table: Key, values: dict, soil: Soil, others: tuple = ()
-) -> dict[str, Quantity | RandomField]:
-    """Read quantities of the ground.
-
-    Args:
-        others: further keys that the table may hold.
-    """
+def _quantities(table: Key, values: dict, soil: Soil, others: tuple = ()) -> Quantities:
+    """Read quantities of the ground from a table that may hold other keys too."""
     columns = ground_columns(soil)
     for name in values:
         if name in LAWS:
@@ -354,7 +223,7 @@ def _quantities(
         if name not in columns:
             raise unknown(table, name, (*columns, *others))
     return {
-        name: read_ground_quantity(table[name], value, columns[name])
+        f"{table.name}.{name}": read_ground_quantity(table[name], value, columns[name])
         for name, value in values.items()
     }
 
@@ -371,27 +240,188 @@ def _calibrated(ground: Key, table: dict) -> Calibrated | None:
 
 
 def _check_calibrated(
-    key: Key, table: dict, calibrated: Calibrated, said: dict
+    key: Key, table: dict, calibrated: Calibrated, said: Mapping[str, object]
 ) -> None:
     """Raise InputError for a law beside a calibration, for a parameter that is neither
-    in the table nor identifiable, and for a fitted one that varies along the slope.
-
-    Args:
-        said: quantities in the table.
-    """
+    among the quantities of the table nor identifiable, and for a fitted one that varies
+    along the slope."""
     for slot in LAWS:
         if slot in table:
             raise key[slot].error(
                 "comes with the calibration that from names; remove it"
             )
     for name, reason in calibrated.undetermined.items():
-        if name not in said:
+        if f"ground.{name}" not in said:
             raise key.error(
                 f"must say {name}, which the tests do not determine: {reason}"
             )
     for name in calibrated.names:
-        if isinstance(said.get(name), RandomField):
+        if isinstance(said.get(f"ground.{name}"), RandomField):
             raise key[name].error(
                 "varies along the slope, but the calibration samples other parameters "
                 "conditional on it; leave out correlation_length_m"
             )
+
+
+def lay_out(
+    ground: GroundInput,
+    profile: Profile,
+    materials: tuple[str, ...] | None,
+    has_base: bool,
+) -> GroundLayout:
+    """Find where parts of the ground are, and cut the profile where they and the cells
+    of fields begin and end.
+
+    Args:
+        profile: as its file has it.
+        materials: material of each segment, where the profile names them.
+        has_base: whether anything is known of the rest of the slope.
+
+    Raises InputError, naming the key, for parts that are nowhere, for materials that
+    overlap, and for ground without any. Warns of ground without a material where
+    [ground] holds.
+    """
+    key, parts, fields = Key(ground.path)["ground"], ground.parts, ground.fields()
+    if materials is not None:
+        _check_names(key, materials, parts)
+    _check_cells(key, profile, fields)
+    ends = [end for part in parts.values() for end in part.ends or ()]
+    owners: dict[str, list[str]] = {}
+    for quantity in ground.quantities:
+        _, *part, name = quantity.split(".")
+        if part:
+            owners.setdefault(name, []).append(".".join(part))
+    whole, piece = subdivide(profile, ends)
+    layout = GroundLayout(whole, {}, owners, ())
+    for name, part in parts.items():
+        layout.places[name] = _segments_of(
+            key[name], part, profile, layout.middles, piece, materials
+        )
+    _check_cover(key, layout, parts, has_base)
+    # All cuts at once: cutting pieces again would undo the turns of the first cuts.
+    cuts = np.concatenate([ends, *_boundaries(layout, fields)])
+    final, _ = subdivide(profile, cuts)
+    middles = 0.5 * (final.x[1:] + final.x[:-1])
+    piece = np.searchsorted(whole.x, middles) - 1
+    places = {name: place[piece] for name, place in layout.places.items()}
+    named = np.full(final.segments, "", object)
+    for name, part in parts.items():
+        if part.segment is None:
+            named[places[name]] = part.name
+    return GroundLayout(final, places, owners, tuple(named))
+
+
+def _segments_of(
+    key: Key,
+    part: GroundPart,
+    profile: Profile,
+    middles: np.ndarray,
+    piece: np.ndarray,
+    materials: tuple[str, ...] | None,
+) -> np.ndarray:
+    """Find the segments of a part, after cuts of the profile.
+
+    Args:
+        middles, piece: x of the middle of each segment [m], and the index of the
+            segment before the cuts that it is a piece of.
+    """
+    if part.segment is not None:
+        if not 0 <= part.segment < profile.segments:
+            raise key.error(
+                f"must be the number of a segment, from 1 to {profile.segments}"
+            )
+        return piece == part.segment
+    if materials is not None:
+        if part.ends is not None:
+            raise key.error(
+                "has from_x_m and to_x_m, but the profile has a column material; leave "
+                "one of them out"
+            )
+        chosen = np.array(materials)[piece] == part.name
+        problem = "no row of the profile names it"
+    elif part.ends is None:
+        raise key.error(
+            "needs from_x_m and to_x_m, or a column material in the profile's CSV"
+        )
+    else:
+        chosen = (middles > part.ends[0]) & (middles < part.ends[1])
+        problem = f"the profile goes from x = {profile.x[0]:g} to {profile.x[-1]:g}"
+    if not np.any(chosen):
+        raise key.error(f"is nowhere on the slope: {problem}")
+    return chosen
+
+
+def _check_names(
+    key: Key, materials: Iterable[str], parts: Mapping[str, GroundPart]
+) -> None:
+    """Raise InputError for a material of the profile that the study does not define."""
+    known = [part.name for part in parts.values() if part.segment is None]
+    for name in materials:
+        if name not in known:
+            hint = f"; did you mean {nearest(name, known)!r}?" if known else ""
+            raise key["materials"].error(
+                f"must define the material {name!r} of the profile{hint}"
+            )
+
+
+def _check_cover(
+    key: Key, layout: GroundLayout, parts: Mapping[str, GroundPart], has_base: bool
+) -> None:
+    """Raise InputError where materials overlap or leave ground without any; only warn
+    of the latter where [ground] holds."""
+    covers = {
+        part.name: layout.places[name]
+        for name, part in parts.items()
+        if part.segment is None
+    }
+    if not covers:
+        return
+    times, x = np.sum([*covers.values()], axis=0), layout.profile.x
+    if np.any(times > 1):
+        i = int(np.argmax(times > 1))
+        first, second, *_ = (name for name, cover in covers.items() if cover[i])
+        raise key["materials"].error(
+            f"overlap: {first} and {second} are both at x = {x[i]:.10g} to "
+            f"{x[i + 1]:.10g} m"
+        )
+    if np.any(times == 0):
+        ends = stretches(times == 0)
+        gaps = ", ".join(f"{x[i]:.10g} to {x[j]:.10g} m" for i, j in ends)
+        if not has_base:
+            raise key["materials"].error(
+                f"leave x = {gaps} without a material; let one of them reach so far, "
+                "or say under [ground] what is there"
+            )
+        warnings.warn(
+            f"{key.file}, key ground.materials: no material is at x = {gaps}; what "
+            "[ground] says holds there",
+            stacklevel=2,
+        )
+
+
+def _check_cells(key: Key, profile: Profile, fields: Mapping[str, RandomField]) -> None:
+    for name, field in fields.items():
+        cells = (profile.x[-1] - profile.x[0]) / field.cell
+        if cells > MOST_CELLS:
+            raise Key(key.file)[name][LENGTH].error(
+                f"cuts the profile into {cells:.3g} cells of {field.cell:g} m; at most "
+                f"{MOST_CELLS} are computed, so a longer length is needed"
+            )
+
+
+def _boundaries(
+    layout: GroundLayout, fields: Mapping[str, RandomField]
+) -> list[np.ndarray]:
+    """List the boundaries of the cells of each field where it holds [m], without those
+    within a tenth of a cell of another cut."""
+    boundaries, points = [], layout.profile.x
+    for key, field in fields.items():
+        x = field.boundaries(points[0], points[-1])
+        segment = np.searchsorted(layout.profile.x, x, side="right") - 1
+        x = x[layout.where(key)[segment]]
+        left = np.searchsorted(points, x, side="right") - 1
+        apart = np.minimum(x - points[left], points[left + 1] - x)
+        x = x[apart > 0.1 * field.cell]
+        boundaries.append(x)
+        points = np.union1d(points, x)
+    return boundaries

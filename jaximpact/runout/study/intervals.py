@@ -23,10 +23,6 @@ from scipy.stats import binom, binomtest
 LEVEL = 0.95
 """Probability with which an interval holds the true value, at least."""
 TAIL = 0.5 * (1.0 - LEVEL)
-BISECTIONS = 34
-"""Number of bisections, which leave an error of 6e-11 in a share."""
-SMALLEST = 1e-9
-"""Share that counts as none: some times the accuracy of as many bisections."""
 
 
 def share_interval(count: int, blocks: int) -> tuple[float, float]:
@@ -41,7 +37,8 @@ def share_interval(count: int, blocks: int) -> tuple[float, float]:
 def share_intervals_over_grounds(
     counts: np.ndarray, blocks: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    r"""Find the intervals of shares on uncertain ground.
+    r"""Find the intervals of shares on uncertain ground: of numbers of blocks, shape
+    `(grounds, shares)`, out of so many on each; NaN where no ground has blocks.
 
     Their ends solve
 
@@ -49,13 +46,6 @@ def share_intervals_over_grounds(
     \overline{I_h(k + 1, n - k)} = 1 - \alpha/2 $$
 
     with the means over the grounds. Grounds without blocks do not count.
-
-    Args:
-        counts: numbers of blocks behind the shares, `(grounds, shares)`.
-        blocks: numbers of blocks, `(grounds,)`.
-
-    Returns:
-        Lower and upper ends, `(shares,)`; NaN where no ground has blocks.
     """
     counts, blocks = counts[blocks > 0], blocks[blocks > 0, None]
     if len(blocks) == 1:
@@ -68,7 +58,7 @@ def share_intervals_over_grounds(
         a = np.where(none, 1, counts + more)
         b = np.where(all_, 1, blocks - counts + 1 - more)
         low, high = np.zeros(counts.shape[1]), np.ones(counts.shape[1])
-        for _ in range(BISECTIONS):
+        for _ in range(34):  # which leave an error of 6e-11
             middle = 0.5 * (low + high)
             below = np.where(none, 1.0, np.where(all_, 0.0, betainc(a, b, middle)))
             is_low = np.mean(below, axis=0) < probability
@@ -78,9 +68,8 @@ def share_intervals_over_grounds(
     if not len(blocks):
         return np.full(counts.shape[1], np.nan), np.full(counts.shape[1], np.nan)
     low, high = solve(TAIL, 0), solve(1.0 - TAIL, 1)
-    return np.where(low < SMALLEST, 0.0, low), np.where(
-        high > 1.0 - SMALLEST, 1.0, high
-    )
+    # Some times that error counts as none.
+    return np.where(low < 1e-9, 0.0, low), np.where(high > 1.0 - 1e-9, 1.0, high)
 
 
 @functools.cache
@@ -98,10 +87,8 @@ def percentile_ranks(blocks: int, percent: float) -> tuple[int, int]:
 
 
 def percentile_interval(values: np.ndarray, percent: float) -> tuple[float, float]:
-    """Find the interval of a percentile of the finite values by `percentile_ranks`.
-
-    NaN for an end for which there are too few blocks; see `least_blocks`.
-    """
+    """Find the interval of a percentile of the finite values by `percentile_ranks`; NaN
+    for an end for which there are too few blocks, see `least_blocks`."""
     finite = np.sort(values[np.isfinite(values)])
     if not len(finite):
         return np.nan, np.nan
@@ -115,30 +102,26 @@ def percentile_interval(values: np.ndarray, percent: float) -> tuple[float, floa
 def percentile_interval_over_grounds(
     grounds: Sequence[np.ndarray], percent: float
 ) -> tuple[float, float]:
-    r"""Find the interval of a percentile on uncertain ground.
+    r"""Find the interval of a percentile on uncertain ground, of the finite values on
+    each ground; NaN for an end for which there are too few blocks.
 
     With c the number of values up to x of a ground, the ends are the largest value
     below which the mean of F(c) is at most 0.025, and the first up to which that of
     F(c - 1) is at least 0.975.
-
-    Args:
-        grounds: finite values on each ground; one without values does not count.
-
-    NaN for an end for which there are too few blocks.
     """
     grounds = [values for values in grounds if len(values)]
     if len(grounds) == 1:
         return percentile_interval(grounds[0], percent)
     if not grounds:
         return np.nan, np.nan
-    values = np.concatenate([np.sort(own) for own in grounds])
+    values = np.concatenate([np.sort(ground) for ground in grounds])
     order = np.argsort(values, kind="stable")
     values, below, up_to = values[order], [], []
-    for own in grounds:
-        cumulative = _cumulative(len(own), percent)
+    for ground in grounds:
+        cumulative = _cumulative(len(ground), percent)
         below.append(np.diff(cumulative))
         up_to.append(np.diff(cumulative[:-1], prepend=0.0))
-    first = sum(_cumulative(len(own), percent)[0] for own in grounds)
+    first = sum(_cumulative(len(ground), percent)[0] for ground in grounds)
     rises = np.concatenate(below)[order]
     before = (first + np.cumsum(rises) - rises) / len(grounds)
     after = np.cumsum(np.concatenate(up_to)[order]) / len(grounds)

@@ -14,13 +14,19 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from ..._packages import needed
 from ...io.files import replacing
 from ...io.output_files import NewFile
 from ..trajectory import Runs
-from .barriers import DESIGN_PERCENTILES, barriers_in_json, estimates_of
+from .barriers import (
+    DESIGN_PERCENTILES,
+    DESIGN_QUANTITIES,
+    barriers_in_json,
+    estimates_of,
+)
 from .profile_file import GIS, LONGITUDE_AND_LATITUDE, MapPlacement, degrees_from
 from .run_study import simulate
 from .slope_file import SlopeStudy
@@ -29,75 +35,46 @@ SPACING = 0.1
 """Longest time between two positions [s]."""
 PORTION = 50
 """Number of trajectories that are computed at a time."""
-DECIMALS = 3
-"""Decimals of coordinates on the map: millimetres."""
 TRAJECTORY_FILE = "trajectories.csv"
 TRAJECTORY_COLUMNS = (
-    *("block", "time_s", "x_m", "y_m", "v_x_mps", "v_y_mps", "orientation_rad"),
-    *("angular_velocity_radps", "kinetic_energy_J"),
+    *("time_s", "x_m", "y_m", "v_x_mps", "v_y_mps", "orientation_rad"),
+    "angular_velocity_radps",
 )
+"""Columns behind that of the block, in the order of `Runs.path`."""
 MAP_FILES = ("trajectories.geojson", "stops.geojson", "maps.gpkg")
-PLACE_FILES = ("collectors.geojson",)
-"""Files where there are collectors or barriers."""
+PLACE_FILE = "collectors.geojson"
+"""File where there are collectors or barriers."""
 NO_MAP = "No file for maps is written: [profile] has no origin, azimuth_deg and crs."
-BLOCK_PROPERTIES = {
-    "block": int,
-    "ending": str,
-    "mass_kg": float,
-    "x_m": float,
-    "time_s": float,
-    "impacts": int,
-    "energy_at_end_J": float,
-    "max_height_m": float,
-    "max_speed_mps": float,
-    "max_energy_J": float,
-}
-"""Kinds of the properties of trajectories and of their ends: variables of the
-dataset."""
-PASSAGES = {
-    "energy_kJ": ("passage_energy_J", 1e-3),
-    "speed_mps": ("passage_speed_mps", 1.0),
-    "centre_height_m": ("passage_centre_height_m", 1.0),
-    "lowest_height_m": ("passage_lowest_height_m", 1.0),
-}
-"""Quantities at collectors: variable and factor."""
-SHARES = ("share_over_of_all", "share_broken_of_all", "share_stopped_of_all")
-PLACE_PROPERTIES = {
-    **{"kind": str, "name": str, "x_m": float, "height_m": float},
-    **{"capacity_kJ": float, "blocks_passing": int},
-    **dict.fromkeys(SHARES, float),
-    **{f"{name}_p{p}": float for name in PASSAGES for p in DESIGN_PERCENTILES},
-}
-"""Kinds of the properties of collectors and barriers."""
-WRITTEN = "1970-01-01T00:00:00.000Z"
-"""Date of the layers, which must have one: the same study gives the same file."""
-DEGREE_DECIMALS = 9
-"""Decimals of degrees: a tenth of a millimetre."""
+BLOCK_PROPERTIES = (
+    *("block", "ending", "mass_kg", "x_m", "time_s", "impacts", "energy_at_end_J"),
+    *("max_height_m", "max_speed_mps", "max_energy_J"),
+)
+"""Properties of trajectories and of their ends: variables of the dataset."""
+PLACE_PROPERTIES = (
+    *("kind", "name", "x_m", "height_m", "capacity_kJ", "blocks_passing"),
+    *("share_over_of_all", "share_broken_of_all", "share_stopped_of_all"),
+    *(f"{name}_p{p}" for name in DESIGN_QUANTITIES for p in DESIGN_PERCENTILES),
+)
+"""Properties of collectors and barriers."""
 
 
 def names_of_map_files(study: SlopeStudy) -> tuple[str, ...]:
     """List the names of the files of trajectories and maps."""
     if study.inputs.placement is None:
         return (TRAJECTORY_FILE,)
-    places = (
-        PLACE_FILES if len(study.settings.collectors) or study.settings.barriers else ()
-    )
-    return (TRAJECTORY_FILE, *MAP_FILES, *places)
+    has_places = len(study.settings.collectors) or study.settings.barriers
+    return (TRAJECTORY_FILE, *MAP_FILES, *([PLACE_FILE] if has_places else ()))
 
 
 class Layer(NamedTuple):
     """Things of one kind on the map."""
 
     name: str
-    is_line: bool
-    """True for lines, False for points."""
+    is_line: bool  # true for lines, False for points
     positions: list[np.ndarray]
     """Easting, northing and height [m] of each thing, `(positions, 3)`; without any for
     what has no place."""
-    properties: list[dict]
-    """Numbers and texts of each thing by their names; what is left out is not known."""
-    kinds: dict[str, type]
-    """Kinds of the properties."""
+    properties: pd.DataFrame  # properties of each thing, one a row
 
 
 def write_map_files(
@@ -115,38 +92,35 @@ def write_map_files(
     """
     place = study.inputs.placement
     with contextlib.ExitStack() as stack:
-        table = stack.enter_context(replacing(new(TRAJECTORY_FILE)))
-        lines = _write_trajectories(table, study, first)
+
+        def begun(name: str) -> Path:
+            return stack.enter_context(replacing(new(name)))
+
+        lines = _write_trajectories(begun(TRAJECTORY_FILE), study, first)
         if place is None:
             return
-        properties = _properties(dataset)
+        blocks = dataset[[*BLOCK_PROPERTIES[1:]]].to_dataframe().reset_index()
+        blocks = blocks.reindex(columns=[*BLOCK_PROPERTIES]).astype({"impacts": int})
         ends = np.stack([dataset.x_m.values, dataset.y_m.values], axis=1)
         layers = [
-            Layer(
-                name="trajectories",
-                is_line=True,
-                positions=lines,
-                properties=properties[: len(lines)],
-                kinds=BLOCK_PROPERTIES,
-            ),
+            Layer("trajectories", True, lines, blocks.head(len(lines))),
             Layer(
                 "stops",
                 False,
                 [_positions(place, *end[:, None]) for end in ends],
-                properties,
-                BLOCK_PROPERTIES,
+                blocks,
             ),
         ]
-        if PLACE_FILES[0] in names_of_map_files(study):
-            told = [*_collectors(dataset), *_barriers(dataset)]
-            x = np.array([one["x_m"] for one in told])[:, None]
-            on_ground = [_positions(place, at, study.profile.height(at)) for at in x]
-            layers.append(Layer("collectors", False, on_ground, told, PLACE_PROPERTIES))
-        package = stack.enter_context(replacing(new("maps.gpkg")))
-        write_geopackage(package, layers, place.crs)
+        if PLACE_FILE in names_of_map_files(study):
+            places = _collectors_and_barriers(dataset)
+            on_ground = [
+                _positions(place, np.array([x]), study.profile.height([x]))
+                for x in places["x_m"]
+            ]
+            layers.append(Layer("collectors", False, on_ground, places))
+        write_geopackage(begun("maps.gpkg"), layers, place.crs)
         for layer in layers:
-            file = stack.enter_context(replacing(new(f"{layer.name}.geojson")))
-            write_geojson(file, layer, place.code)
+            write_geojson(begun(f"{layer.name}.geojson"), layer, place.code)
 
 
 def _portions(study: SlopeStudy, first: Runs) -> Iterator[tuple[int, Runs, int]]:
@@ -167,29 +141,31 @@ def _portions(study: SlopeStudy, first: Runs) -> Iterator[tuple[int, Runs, int]]
 def _write_trajectories(path: Path, study: SlopeStudy, first: Runs) -> list[np.ndarray]:
     """Write the rows of the table; give the lines on the map, if there is one."""
     place, lines = study.inputs.placement, []
-    heads = (*TRAJECTORY_COLUMNS, *(("easting_m", "northing_m") if place else ()))
-    with open(path, "w", encoding="utf-8", newline="\n") as table:
-        table.write(",".join(heads) + "\n")
+    with open(path, "w", encoding="utf-8", newline="\n") as file:
         for start, runs, count in _portions(study, first):
+            masses, inertias = map(np.asarray, runs.release.mass_properties)
             for i in range(count):
-                columns = _samples(runs, i)
+                samples = runs.path(i, SPACING).values()
+                table = pd.DataFrame(
+                    dict(zip(TRAJECTORY_COLUMNS, samples, strict=True))
+                )
+                table.insert(0, "block", start + i)
+                squared = table.v_x_mps**2 + table.v_y_mps**2
+                turning = inertias[i] * table.angular_velocity_radps**2
+                table["kinetic_energy_J"] = 0.5 * (masses[i] * squared + turning)
                 if place is not None:
-                    _, x, y, *_ = columns
-                    columns += place.coordinates(x)
+                    x, y = table.x_m.to_numpy(), table.y_m.to_numpy()
+                    table["easting_m"], table["northing_m"] = place.coordinates(x)
                     lines.append(_line(place, x, y))
-                for row in np.stack(columns, axis=1).tolist():
-                    cells = ",".join(f"{number:.12g}" for number in row)
-                    table.write(f"{start + i},{cells}\n")
+                table.to_csv(
+                    file,
+                    header=start + i == 0,
+                    index=False,
+                    na_rep="nan",
+                    float_format="%.12g",
+                    lineterminator="\n",
+                )
     return lines
-
-
-def _samples(runs: Runs, trajectory: int) -> list[np.ndarray]:
-    """Sample a trajectory as the table has it, but for the block."""
-    samples = runs.path(trajectory, SPACING)
-    mass, inertia = (np.asarray(v)[trajectory] for v in runs.release.mass_properties)
-    speeds = samples["v_x"] ** 2 + samples["v_y"] ** 2
-    energy = 0.5 * (mass * speeds + inertia * samples["angular_velocity"] ** 2)
-    return [*samples.values(), energy]
 
 
 def _line(place: MapPlacement, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -202,39 +178,31 @@ def _line(place: MapPlacement, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _positions(place: MapPlacement, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Give the known positions on the map, to the millimetre."""
     known = np.isfinite(x) & np.isfinite(y)
     positions = np.stack([*place.coordinates(x[known]), y[known]], axis=1)
-    return np.round(positions, DECIMALS)
+    return np.round(positions, 3)
 
 
-def _properties(dataset: xr.Dataset) -> list[dict]:
-    """List the properties of each block."""
-    columns = [dataset[name].values.tolist() for name in BLOCK_PROPERTIES]
-    return [
-        dict(zip(BLOCK_PROPERTIES, row, strict=True))
-        for row in zip(*columns, strict=True)
-    ]
-
-
-def _collectors(dataset: xr.Dataset) -> Iterator[dict]:
-    for i, x in enumerate(
-        dataset.collector.values if "collector" in dataset.dims else ()
-    ):
-        told = {"kind": "collector", "name": f"x = {x:g} m", "x_m": float(x)}
-        told["blocks_passing"] = int(dataset.blocks_passing.values[i])
-        for name, (variable, factor) in PASSAGES.items():
-            percentiles = dataset[f"{variable}_percentiles"].isel(collector=i)
+def _collectors_and_barriers(dataset: xr.Dataset) -> pd.DataFrame:
+    rows = []
+    collectors = dataset.collector.values if "collector" in dataset.sizes else ()
+    for i, x in enumerate(collectors):
+        row = {"kind": "collector", "name": f"x = {x:g} m", "x_m": float(x)}
+        row["blocks_passing"] = int(dataset.blocks_passing.values[i])
+        for name, (variable, _, factor, _) in DESIGN_QUANTITIES.items():
+            values = dataset[f"passage_{variable}_percentiles"].isel(collector=i)
             for p in DESIGN_PERCENTILES:
-                told[f"{name}_p{p}"] = factor * float(percentiles.sel(percentile=p))
-        yield told
-
-
-def _barriers(dataset: xr.Dataset) -> Iterator[dict]:
-    for barrier in barriers_in_json(estimates_of(dataset)):
-        estimates = barrier.pop("estimates")
-        passing = {"blocks_passing": estimates["share_arriving"]["count"]}
-        values = {name: found["value"] for name, found in estimates.items()}
-        yield {"kind": "barrier"} | barrier | passing | values
+                row[f"{name}_p{p}"] = factor * float(values.sel(percentile=p))
+        rows.append(row)
+    for row in barriers_in_json(estimates_of(dataset)):
+        estimates = row.pop("estimates")
+        row |= {name: estimate["value"] for name, estimate in estimates.items()}
+        passing = estimates["share_arriving"]["count"]
+        rows.append({"kind": "barrier", "blocks_passing": passing} | row)
+    texts = {"kind": object, "name": object, "blocks_passing": int}
+    kinds = {name: texts.get(name, float) for name in PLACE_PROPERTIES}
+    return pd.DataFrame(rows).reindex(columns=[*PLACE_PROPERTIES]).astype(kinds)
 
 
 def write_geopackage(path: Path, layers: list[Layer], crs: str) -> None:
@@ -259,19 +227,18 @@ def write_geojson(path: Path, layer: Layer, code: int) -> None:
 
     def in_degrees(positions: np.ndarray) -> np.ndarray:
         easting, northing, height = positions.T
-        # Lists: an array of one number is deprecated by NumPy before 2.4.
+        # Lists: pyproj takes an array of one number for a scalar, which is deprecated.
         degrees = to_degrees(easting.tolist(), northing.tolist())
         return np.stack([*degrees, height], axis=1)
 
-    places = [in_degrees(positions) for positions in layer.positions]
     _write(
         path=path,
         driver="GeoJSON",
         layer=layer,
-        positions=places,
+        positions=[in_degrees(positions) for positions in layer.positions],
         crs=f"EPSG:{LONGITUDE_AND_LATITUDE}",
         RFC7946="YES",
-        COORDINATE_PRECISION=DEGREE_DECIMALS,
+        COORDINATE_PRECISION=9,  # a tenth of a millimetre
     )
 
 
@@ -293,17 +260,19 @@ def _write(
         for where in positions
     ]
     columns = []
-    for name, kind in layer.kinds.items():
-        unknown = np.nan if kind is float else None
-        values = [properties.get(name, unknown) for properties in layer.properties]
-        columns.append(np.array(values, object if kind is str else kind))
-    pyogrio.set_gdal_config_options({"OGR_CURRENT_DATE": WRITTEN})
+    for _, values in layer.properties.items():
+        if not pd.api.types.is_numeric_dtype(values):
+            values = values.astype(object).where(values.notna(), None)
+        columns.append(values.to_numpy())
+    # Layers must have a date: with this one the same study gives the same file.
+    date = {"OGR_CURRENT_DATE": "1970-01-01T00:00:00.000Z"}
+    pyogrio.set_gdal_config_options(date)
     try:
         pyogrio.raw.write(
             path,
             np.array(geometries, object),
             columns,
-            [*layer.kinds],
+            [*layer.properties],
             layer=layer.name,
             driver=driver,
             geometry_type="LineString Z" if layer.is_line else "Point Z",
@@ -313,4 +282,4 @@ def _write(
     except RuntimeError as error:  # GDAL's
         raise OSError(f"{path} cannot be written: {error}") from error
     finally:
-        pyogrio.set_gdal_config_options({"OGR_CURRENT_DATE": None})
+        pyogrio.set_gdal_config_options(dict.fromkeys(date))

@@ -23,33 +23,31 @@ from .report_page import slope_report
 from .run_study import PERCENTILES, simulate
 from .slope_file import SlopeStudy
 
-SHOWN = 50
-"""Number of trajectories in the drawing: the first ones, computed once more."""
 STOP_COLUMNS = (
     *("block", "ending", "x_m", "y_m", "time_s", "impacts", "hops", "events"),
     *("energy_at_release_J", "energy_at_end_J"),
     *("max_height_m", "max_speed_mps", "max_energy_J"),
 )
-WHOLE = ("block", "impacts", "hops", "events")
 QUANTITIES = (
     *("passage_speed_mps", "passage_energy_J", "passage_translational_energy_J"),
     *("passage_rotational_energy_J", "passage_spin_radps"),
     *("passage_centre_height_m", "passage_lowest_height_m"),
 )
-COMPARED = {"passage_speed_mps": 1.0, "passage_energy_J": 1e-3}
-COMPARED |= {"passage_centre_height_m": 1.0}
+COMPARED = {
+    **{"passage_speed_mps": 1.0, "passage_energy_J": 1e-3},
+    "passage_centre_height_m": 1.0,
+}
 """Quantities at collectors by which laws are compared, and their factors."""
+
 STUDY_FILES = (
     *("blocks.nc", "stops.csv", "profile.png", "envelopes.png", "stops.png"),
     *("report.html", "manifest.json"),
 )
-COLLECTOR_FILES = ("collectors.csv", "collectors.png")
 COLLECTOR_COLUMNS = (
     *("collector_m", "blocks_passing", "quantity"),
     *(f"p{p}" for p in PERCENTILES),
     *(f"p{p}_{end}" for p in PERCENTILES for end in ("low", "high")),
 )
-BARRIER_FILES = ("barriers.csv",)
 STOPS = (*PERCENTILES, 100)
 LAW_COLUMNS = (
     *("law", "blocks", *(str(e).replace(" ", "_") for e in Ending)),
@@ -57,18 +55,17 @@ LAW_COLUMNS = (
     *("max_height_p95_m", "max_speed_p95_mps", "max_energy_p95_J"),
 )
 COMPARISON_FILES = ("comparison.csv", "comparison.png", "report.html", "manifest.json")
-COMPARED_COLLECTOR_FILES = ("comparison_collectors.csv", "comparison_collectors.png")
-COMPARED_BARRIER_FILES = ("comparison_barriers.csv",)
 
 
 def names_of_files(study: SlopeStudy, comparison: bool = False) -> tuple[str, ...]:
     """List the names of the files of a study, or of a comparison of its laws."""
-    files = COMPARISON_FILES if comparison else STUDY_FILES
-    of_collectors = COMPARED_COLLECTOR_FILES if comparison else COLLECTOR_FILES
-    of_barriers = COMPARED_BARRIER_FILES if comparison else BARRIER_FILES
-    files += of_collectors if len(study.settings.collectors) else ()
-    files += of_barriers if study.settings.barriers else ()
-    return files if comparison else files + names_of_map_files(study)
+    settings, prefix = study.settings, "comparison_" if comparison else ""
+    names = [*(COMPARISON_FILES if comparison else STUDY_FILES)]
+    if len(settings.collectors):
+        names += [f"{prefix}collectors.csv", f"{prefix}collectors.png"]
+    if settings.barriers:
+        names.append(f"{prefix}barriers.csv")
+    return (*names, *(() if comparison else names_of_map_files(study)))
 
 
 def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> Document:
@@ -83,10 +80,9 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     """
     write_netcdf(new("blocks.nc"), dataset)
     write_text(new("stops.csv"), _stop_table(dataset).csv())
-    first = simulate(study, np.arange(min(SHOWN, study.release.count)))
-    grounds = drawing.drawn_grounds(
-        study.profile, study.inputs.materials, study.inputs.random_ground
-    )
+    # The first trajectories are drawn, and so computed once more.
+    first = simulate(study, np.arange(min(50, study.release.count)))
+    grounds = _grounds(study)
     figures = {
         "profile": drawing.draw_trajectories(
             first, grounds, study.settings.collectors, study.inputs.title
@@ -111,13 +107,18 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     return report
 
 
+def _grounds(study: SlopeStudy) -> drawing.DrawnGrounds:
+    inputs = study.inputs
+    return drawing.drawn_grounds(study.profile, inputs.materials, inputs.random_ground)
+
+
 def _stop_table(dataset: xr.Dataset) -> Table:
-    columns = (
-        dataset[name].astype(int) if name in WHOLE else dataset[name]
+    whole: dict[str, type] = dict.fromkeys(("block", "impacts", "hops", "events"), int)
+    columns = [
+        dataset[name].values.astype(whole.get(name, dataset[name].dtype)).tolist()
         for name in STOP_COLUMNS
-    )
-    rows = zip(*(column.values.tolist() for column in columns), strict=True)
-    return Table(STOP_COLUMNS, list(rows))
+    ]
+    return Table(STOP_COLUMNS, list(zip(*columns, strict=True)))
 
 
 def collector_table(dataset: xr.Dataset) -> Table:
@@ -147,10 +148,7 @@ def write_comparison(
 
     Returns the report. Raises OSError where the file system refuses.
     """
-    grounds = drawing.drawn_grounds(
-        study.profile, study.inputs.materials, study.inputs.random_ground
-    )
-    draw = partial(drawing.draw_comparison, datasets, study.profile, grounds)
+    draw = partial(drawing.draw_comparison, datasets, study.profile, _grounds(study))
     picture = Picture(
         draw,
         "Stops and envelopes by each law",
@@ -169,9 +167,8 @@ def write_comparison(
         table = _of_laws(datasets, lambda one: estimate_table(estimates_of(one)))
         write_text(new("comparison_barriers.csv"), table.csv())
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
-    write_text(
-        new("manifest.json"), json_text({"title": study.inputs.title, "laws": laws})
-    )
+    manifest = {"title": study.inputs.title, "laws": laws}
+    write_text(new("manifest.json"), json_text(manifest))
     return report
 
 
@@ -180,20 +177,21 @@ def comparison_report(
 ) -> Document:
     """Report endings, stops and passages by each law."""
     first = next(iter(datasets.values()))
-    found = [e for e in Ending if any(_count(d, e) for d in datasets.values())]
+    counts = {law: counts_of(dataset) for law, dataset in datasets.items()}
+    endings = [e for e in map(str, Ending) if any(e in of for of in counts.values())]
     rows = []
     for law, dataset in datasets.items():
-        counts = (_count(dataset, ending) for ending in found)
         stops = (f"{v:.5g}" for v in _stop_percentiles(dataset))
-        rows.append((law, *counts, float(np.median(dataset.impacts)), *stops))
+        ended = (counts[law].get(ending, 0) for ending in endings)
+        rows.append((law, *ended, float(np.median(dataset.impacts)), *stops))
     heads = ("impacts", *(f"{p} %" for p in PERCENTILES), "farthest")
     lines = [f"The same {first.sizes['block']} blocks by {len(datasets)} laws."]
-    if Ending.failed in found:
+    if str(Ending.failed) in endings:
         lines.append("Blocks that failed are in no number but their count.")
     answer: list[Part] = [
         Box("verdict", lines),
         "Endings, median impacts, and x where blocks stopped [m]:",
-        Table(("law", *map(str, found), *heads), rows),
+        Table(("law", *endings, *heads), rows),
         picture,
     ]
     collectors = first.collector.values if "collector" in first.sizes else ()
@@ -206,6 +204,11 @@ def comparison_report(
         for law, dataset in datasets.items()
     ]
     return Document(first.title, answer, sections)
+
+
+def counts_of(dataset: xr.Dataset) -> dict[str, int]:
+    """Count the blocks of each ending that occurs."""
+    return json.loads(dataset.attrs["endings"])
 
 
 def _passages(datasets: Mapping[str, xr.Dataset], place: int) -> Sequence[Part]:
@@ -233,7 +236,7 @@ def _law_table(datasets: Mapping[str, xr.Dataset]) -> Table:
             np.percentile(dataset[name].values[valid], 95) if np.any(valid) else np.nan
             for name in ("max_height_m", "max_speed_mps", "max_energy_J")
         )
-        counts = (_count(dataset, ending) for ending in Ending)
+        counts = [counts_of(dataset).get(str(ending), 0) for ending in Ending]
         numbers = (np.median(dataset.impacts), *_stop_percentiles(dataset), *largest)
         rows.append((law, dataset.sizes["block"], *counts, *map(float, numbers)))
     return Table(LAW_COLUMNS, rows)
@@ -242,10 +245,6 @@ def _law_table(datasets: Mapping[str, xr.Dataset]) -> Table:
 def _stop_percentiles(dataset: xr.Dataset) -> np.ndarray:
     x = drawing.stops_of(dataset)
     return np.percentile(x, STOPS) if len(x) else np.full(len(STOPS), np.nan)
-
-
-def _count(dataset: xr.Dataset, ending: Ending) -> int:
-    return int(np.sum(dataset.ending.values == str(ending)))
 
 
 def _of_laws(

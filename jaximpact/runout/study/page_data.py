@@ -20,19 +20,15 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from ..blocks import select
-from ..terrain import Profile
+from ..terrain import Profile, stretches
 from ..trajectory import Pieces, Runs, state_after
 from .drawing import bottom_of, drawn_grounds, valid_blocks
 from .intervals import percentile_interval
 from .run_study import PERCENTILES
 from .slope_file import SlopeStudy
 
-RESOLUTION = 200_000
-"""Number of units over the larger side of the drawing."""
 CLASSES = 5
 """Number of colours of speeds."""
-BRIGHTEST = 0.9
-"""Part of the colour map beyond which a line is too pale on the ground's colours."""
 MOST_LETTERS = 700_000
 """Length of all paths of trajectories beyond which there are fewer trajectories."""
 
@@ -44,7 +40,8 @@ class Units:
         self.x, self.y = float(profile.x[0]), bottom_of(profile)
         self.width = float(np.ptp(profile.x))
         self.height = max(highest, float(profile.y.max())) - self.y
-        self.unit = max(self.width, self.height) / RESOLUTION
+        # Finer than a pixel at any zoom that the page allows.
+        self.unit = max(self.width, self.height) / 200_000
 
     def __call__(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Round coordinates [m] to whole units."""
@@ -53,20 +50,17 @@ class Units:
 
 
 def page_profile(study: SlopeStudy, runs: Runs) -> dict:
-    """Collect the drawing of the profile: paths, colours and the scale.
-
-    Args:
-        runs: trajectories to draw.
-    """
+    """Collect the drawing of the profile, with the trajectories to draw: paths, colours
+    and the scale."""
+    profile, inputs = study.profile, study.inputs
     finite = runs.pieces.y[np.isfinite(runs.pieces.y)]
-    units = Units(study.profile, float(np.max(finite, initial=study.profile.y.max())))
+    units = Units(profile, float(np.max(finite, initial=profile.y.max())))
     speeds, shown = _trajectories(runs, units)
-    drawn = drawn_grounds(
-        study.profile, study.inputs.materials, study.inputs.random_ground
-    )
+    drawn = drawn_grounds(profile, inputs.materials, inputs.random_ground)
     known = np.isfinite(runs.x[:shown]) & np.isfinite(runs.y[:shown])
     ends = zip(*units(runs.x[:shown][known], runs.y[:shown][known]), strict=True)
-    line = zip(*units(study.profile.x, study.profile.y), strict=True)
+    line = zip(*units(profile.x, profile.y), strict=True)
+    grounds = zip(drawn.colours, drawn.words, strict=True)
     return {
         "scale": {
             **{"x": units.x, "y": units.y, "unit": units.unit},
@@ -74,46 +68,39 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
         },
         "grounds": [
             {
-                "path": _ground(study.profile, drawn.number, ground, units),
+                "path": _ground(profile, np.equal(drawn.number, ground), units),
                 "colour": colour,
                 "words": words,
             }
-            for ground, (colour, words) in enumerate(
-                zip(drawn.colours, drawn.words, strict=True)
-            )
+            for ground, (colour, words) in enumerate(grounds)
         ],
         "surface": "M" + " ".join(f"{x} {y}" for x, y in line),
         "speeds": speeds,
         "ends": "".join(f"M{x} {y}h0" for x, y in ends),
         "shown": shown,
         "collectors": [
-            _vertical(units, x, None, study.profile) for x in study.settings.collectors
+            _vertical(units, x, units.y, units.y + units.height)
+            for x in study.settings.collectors
         ],
         "barriers": [
-            _vertical(units, b.x, b.height, study.profile)
+            _vertical(
+                units, b.x, ground := float(profile.height(b.x)), ground + b.height
+            )
             for b in study.settings.barriers
         ],
     }
 
 
-def _vertical(units: Units, x: float, height: float | None, profile: Profile) -> str:
-    """Draw a vertical line at x, of a height [m], or from bottom to top."""
-    ground = float(profile.height(x))
-    low, high = (units.y, units.y + units.height)
-    if height is not None:
-        low, high = ground, ground + height
+def _vertical(units: Units, x: float, low: float, high: float) -> str:
     (across, _), (below, above) = units(np.array([x, x]), np.array([low, high]))
     return f"M{across} {below}V{above}"
 
 
-def _ground(profile: Profile, number: list[int], ground: int, units: Units) -> str:
+def _ground(profile: Profile, chosen: np.ndarray, units: Units) -> str:
     """Draw the segments of one ground, neighbours together."""
     x, y = units(profile.x, profile.y)
-    mine = np.array([-1, *(int(n == ground) for n in number), -1]) == 1
-    starts = np.flatnonzero(mine[1:] & ~mine[:-1])
-    stops = np.flatnonzero(mine[:-1] & ~mine[1:])
     paths = []
-    for start, stop in zip(starts, stops, strict=True):
+    for start, stop in stretches(chosen):
         points = (f"{x[i]} {y[i]}" for i in range(start, stop + 1))
         paths.append(f"M{x[start]} 0L{' '.join(points)}V0Z")
     return "".join(paths)
@@ -136,7 +123,8 @@ def _trajectories(runs: Runs, units: Units) -> tuple[list[dict], int]:
     level = np.hypot(middle.v_x, middle.v_y) / step
     level = np.clip(level, 0, CLASSES - 1).astype(int)
     paths, shown = _paths(cut, nth * duration, duration, level, units)
-    colours = colormaps["viridis"](np.linspace(0.0, BRIGHTEST, CLASSES))
+    # The brightest lines would be too pale on the ground's colours.
+    colours = colormaps["viridis"](np.linspace(0.0, 0.9, CLASSES))
     return [
         {
             "path": path,
@@ -187,10 +175,6 @@ QUANTITIES = (
     ("energy_J", "kinetic energy", "kJ", 1e-3),
 )
 """Variable, words, unit and factor."""
-POINTS = 8000
-"""Number of points of all curves of a quantity, but for `LEAST`."""
-MOST, LEAST = 120, 12
-"""Number of points of a curve, at most and at least."""
 
 
 def page_curves(dataset: xr.Dataset) -> dict:
@@ -203,25 +187,23 @@ def page_curves(dataset: xr.Dataset) -> dict:
         or None.
     """
     valid = valid_blocks(dataset)
-    bins = dataset.sizes["bin"]
-    most = int(np.clip(POINTS // bins, LEAST, MOST))
+    # Some 8000 points of all curves of a quantity together, at least 12 of each.
+    most = int(np.clip(8000 // dataset.sizes["bin"], 12, 120))
     counts = dataset.blocks_in_bin.values.astype(int).tolist()
     ranks = [kept_ranks(count, most) for count in counts]
     quantities = []
     for name, words, unit, factor in QUANTITIES:
-        of_bins = dataset[f"{name}_in_bin"].values[valid].astype(float).T
-        sorted_values = [_falling(factor * values) for values in of_bins]
-        quantities.append(
-            {
-                "words": words,
-                "unit": unit,
-                "values": [
-                    [_short(values[rank - 1]) for rank in of_bin]
-                    for values, of_bin in zip(sorted_values, ranks, strict=True)
-                ],
-                "percentiles": [_percentiles(values) for values in sorted_values],
-            }
-        )
+        in_bins = dataset[f"{name}_in_bin"].values[valid].astype(float).T
+        falling = [
+            np.sort(factor * values[np.isfinite(values)])[::-1] for values in in_bins
+        ]
+        kept = [
+            [_short(values[rank - 1]) for rank in of_bin]
+            for values, of_bin in zip(falling, ranks, strict=True)
+        ]
+        percentiles = [_percentiles(values) for values in falling]
+        about = {"words": words, "unit": unit}
+        quantities.append(about | {"values": kept, "percentiles": percentiles})
     edges = [*dataset.bin_left_m.values.tolist(), float(dataset.bin_right_m.values[-1])]
     return {
         "blocks": int(np.sum(valid)),
@@ -241,17 +223,13 @@ def kept_ranks(count: int, most: int) -> list[int]:
     return np.unique(np.round(np.geomspace(1, count, most)).astype(int)).tolist()
 
 
-def _falling(values: np.ndarray) -> np.ndarray:
-    return np.sort(values[np.isfinite(values)])[::-1]
-
-
 def _percentiles(values: np.ndarray) -> list[list[float | None]]:
     if not len(values):
         return [[None, None, None] for _ in PERCENTILES]
-    found = np.percentile(values, PERCENTILES)
+    percentiles = np.percentile(values, PERCENTILES)
     return [
         [_short(v), *map(_short, percentile_interval(values, percent))]
-        for v, percent in zip(found, PERCENTILES, strict=True)
+        for v, percent in zip(percentiles, PERCENTILES, strict=True)
     ]
 
 

@@ -15,29 +15,23 @@ from ..random_inputs import (
 BOUNDS = ("least", "most")
 KINDS = {
     Normal: ("mean", "sd"),
-    Uniform: ("from", "to"),
     Lognormal: ("median", "geometric_sd"),
     PowerLaw: ("exponent",),
 }
-"""Keys of each distribution; all but the uniform one take `BOUNDS` too."""
+"""Keys of each distribution that may have `BOUNDS` too."""
+ENDS = ("from", "to")
+"""Keys of the uniform distribution."""
 LENGTH = "correlation_length_m"
 """Key of a quantity of the ground that varies along the slope."""
-KEYS = tuple(name for names in KINDS.values() for name in names) + BOUNDS
+KEYS = (*(name for names in KINDS.values() for name in names), *ENDS, *BOUNDS)
 
 
 def read_quantity(key: Key, value, column: InputColumn | None) -> Quantity:
-    """Read a number, a list or a distribution from a file's value.
-
-    Args:
-        column: gives the range that numbers must keep, if there is one.
-
-    Raises InputError, naming file and key, for anything else.
-    """
+    """Read a number, a list or a distribution, of numbers that a column allows if there
+    is one; InputError, naming file and key, for anything else."""
 
     def one(value, key=key) -> float:
-        if column is None:
-            return number(key, value)
-        return quantity(key, column, value)
+        return number(key, value) if column is None else quantity(key, column, value)
 
     if isinstance(value, list):
         if not value:
@@ -48,20 +42,20 @@ def read_quantity(key: Key, value, column: InputColumn | None) -> Quantity:
     if LENGTH in value:
         raise key[LENGTH].error("is for quantities of the ground only")
     check_keys(key, value, (*KEYS, LENGTH))
-    if set(value) == set(KINDS[Uniform]):
-        start, stop = (one(value[n], key[n]) for n in KINDS[Uniform])
+    if set(value) == {*ENDS}:
+        start, stop = (one(value[n], key[n]) for n in ENDS)
         if not start < stop:
             raise key.error(f"must go up, but goes from {start:g} to {stop:g}")
         return Uniform(start, stop)
-    given = {n: number(key[n], v) for n, v in value.items()}
-    for kind in (Normal, Lognormal, PowerLaw):
-        if set(KINDS[kind]) <= set(given) <= {*KINDS[kind], *BOUNDS}:
-            if kind is PowerLaw and len(given) < 3:
+    numbers = {n: number(key[n], v) for n, v in value.items()}
+    for kind, names in KINDS.items():
+        if {*names} <= set(numbers) <= {*names, *BOUNDS}:
+            if kind is PowerLaw and len(numbers) < 3:
                 raise key.error("needs least and most beside its exponent")
-            distribution = kind(**given)
+            distribution = kind(**numbers)
             _check(key, distribution)
             return distribution
-    if {*KINDS[Uniform]} < set(value) <= {*KINDS[Uniform], *BOUNDS}:
+    if {*ENDS} < set(value) <= {*ENDS, *BOUNDS}:
         raise key.error("takes no least or most beside from and to, which are both")
     raise key.error(
         "must be a number, a list, { from, to }, { exponent, least, most }, "
@@ -84,21 +78,21 @@ def read_ground_quantity(
     return RandomField(distribution, length)
 
 
-def _check(key: Key, given: Normal | Lognormal | PowerLaw) -> None:
+def _check(key: Key, distribution: Normal | Lognormal | PowerLaw) -> None:
     """Raise InputError for parameters out of range, and bounds that leave nothing."""
     above = {"sd": 0.0, "median": 0.0, "geometric_sd": 1.0, "exponent": 0.0}
-    if isinstance(given, PowerLaw):
+    if isinstance(distribution, PowerLaw):
         above["least"] = 0.0
-    values = given._asdict()
+    values = distribution._asdict()
     for name, limit in above.items():
         if name in values and not values[name] > limit:
             raise key[name].error(f"must be above {limit:g}, but is {values[name]:g}")
     least, most = values["least"], values["most"]
     if not least < most:
         raise key.error(f"needs least below most, but they are {least:g} and {most:g}")
-    if isinstance(given, PowerLaw) or given.probability_inside > 0.0:
+    if isinstance(distribution, PowerLaw) or distribution.probability_inside > 0.0:
         return
-    centre, spread = (f"{name} {values[name]:g}" for name in KINDS[type(given)])
+    centre, spread = (f"{n} {values[n]:g}" for n in KINDS[type(distribution)])
     raise key.error(
         f"holds nothing between least and most, {least:g} and {most:g}, so far from a "
         f"{centre} with {spread}"

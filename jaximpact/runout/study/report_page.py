@@ -1,5 +1,6 @@
 """Page of a study to hand over: one file of HTML that needs nothing else."""
 
+import itertools
 import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -33,16 +34,12 @@ if TYPE_CHECKING:
     import markupsafe
 
 PACKAGE = "jaximpact.runout.study"
-WIDTH, LEAST_HEIGHT, MOST_HEIGHT = 960, 260, 620
-"""Size of the drawing of the profile [px]."""
 PASSAGES = {
     "speed": ("passage_speed_mps", "m/s", 1.0),
     "energy": ("passage_energy_J", "kJ", 1e-3),
     "height of the centre": ("passage_centre_height_m", "m", 1.0),
     "height of the lowest point": ("passage_lowest_height_m", "m", 1.0),
 }
-MOST_ROWS = 40
-"""Largest number of stretches of ground in a table."""
 CURVES = (
     "The share of all blocks whose largest value between the two ends of a bin exceeds "
     "a value. It is at least that at any single x in the bin. Intervals hold the true "
@@ -65,14 +62,11 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
     """
     drawing = page_profile(study, runs)
     estimates = estimates_of(dataset)
+    profile = drawing | _placed(drawing["scale"]) | {"blocks": study.release.count}
     answer: list[Part] = [
-        Box("verdict", _summary(study, dataset)),
+        Box("verdict", _summary(study, dataset, estimates)),
         Box("warning", ["What is not known", *unknowns(study, dataset)]),
-        Interactive(
-            PACKAGE,
-            "profile.jinja",
-            drawing | _placed(drawing["scale"]) | {"blocks": study.release.count},
-        ),
+        Interactive(PACKAGE, "profile.jinja", profile),
     ]
     curves = {
         "curve_names": [words for _, words, _, _ in QUANTITIES],
@@ -81,6 +75,11 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         "data": _data(study, dataset, drawing["scale"]),
     }
     alike = "Ground along the profile, where it is alike for all blocks"
+    settings = [
+        _settings(study),
+        ReportSection("Blocks and releases", [_inputs(dataset)]),
+        ReportSection(alike, [_grounds(study)]),
+    ]
     sections = [
         ReportSection(
             "Exceedance at any place",
@@ -90,15 +89,7 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         ReportSection("Endings", [_ending_table(dataset), _stops(dataset)]),
         ReportSection("Collectors", _collectors(dataset)),
         ReportSection("Barriers", barrier_parts(estimates)),
-        ReportSection(
-            "Settings",
-            [
-                _settings(study),
-                ReportSection("Blocks and releases", [_inputs(dataset)]),
-                ReportSection(alike, [_grounds(study)]),
-            ],
-            printed=False,
-        ),
+        ReportSection("Settings", settings, printed=False),
         ReportSection("Computed from", [_origin(dataset)], printed=False),
     ]
     return Document(study.inputs.title, answer, sections)
@@ -117,13 +108,12 @@ def barrier_parts(estimates: Sequence[BarrierEstimates]) -> list[Part]:
 
 
 def _placed(scale: dict) -> dict:
-    """Place the drawing of the profile on the page: its height, and the transformation
-    of its units to pixels."""
-    height = (WIDTH - 60) * scale["height"] / scale["width"] + 40
-    height = int(np.clip(height, LEAST_HEIGHT, MOST_HEIGHT))
-    pixels = min((WIDTH - 60) / scale["width"], (height - 40) / scale["height"])
+    """Place the drawing of the profile on the page, 960 pixels wide with margins for
+    the axes: its height, and the transformation of its units to pixels."""
+    height = int(np.clip(900 * scale["height"] / scale["width"] + 40, 260, 620))
+    pixels = min(900 / scale["width"], (height - 40) / scale["height"])
     size = pixels * scale["unit"]
-    left = 0.5 * WIDTH + 20 - 0.5 * scale["width"] * pixels
+    left = 500 - 0.5 * scale["width"] * pixels
     return {
         "drawing_height": height,
         "transform": f"matrix({size:.6g} 0 0 {-size:.6g} {left:.1f} {height - 30})",
@@ -134,21 +124,31 @@ def _data(study: SlopeStudy, dataset: xr.Dataset, scale: dict) -> "markupsafe.Ma
     """Write what the script draws: curves of all bins, and names of places."""
     import markupsafe
 
-    places = [
-        {"x": x, "y": scale["y"] + scale["height"], "words": f"x = {x:g} m"}
-        for x in study.settings.collectors.tolist()
-    ] + [
-        {"x": b.x, "y": float(study.profile.height(b.x)) + b.height, "words": b.name}
+    top = scale["y"] + scale["height"]
+    places = [(x, top, f"x = {x:g} m") for x in study.settings.collectors.tolist()] + [
+        (b.x, float(study.profile.height(b.x)) + b.height, b.name)
         for b in study.settings.barriers
     ]
-    start = places[-1]["x"] if places else _median_stop(dataset)
-    data = page_curves(dataset) | {"scale": scale, "places": places, "start": start}
+    if places:
+        start = places[-1][0]
+    else:
+        x = dataset.x_m.values[np.isfinite(dataset.x_m.values)]
+        start = float(np.median(x)) if len(x) else float(dataset.bin_left_m.values[0])
+    data = page_curves(dataset) | {
+        "scale": scale,
+        "places": [
+            dict(zip(("x", "y", "words"), place, strict=True)) for place in places
+        ],
+        "start": start,
+    }
     text = json.dumps(data, allow_nan=False, separators=(",", ":"))
     # Within a script a title with its end would cut it off.
     return markupsafe.Markup(text.replace("<", "\\u003c"))
 
 
-def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
+def _summary(
+    study: SlopeStudy, dataset: xr.Dataset, at_barriers: Sequence[BarrierEstimates]
+) -> list[str]:
     endings = json.loads(dataset.attrs["endings"])
     counts = ", ".join(f"{count} {name}" for name, count in endings.items())
     lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {counts}."]
@@ -160,7 +160,7 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{np.percentile(stopped, 95):.4g} m (95 % interval: "
             f"{interval_text(low, high)}), the farthest at {stopped.max():.4g} m."
         )
-    for barrier, by_name in estimates_of(dataset):
+    for barrier, by_name in at_barriers:
         name, arrive = barrier.name, by_name["share_arriving"]
         through = [by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken")]
         lines.append(
@@ -204,8 +204,7 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{cut} blocks were cut off by a limit and might have gone farther: shares "
             "that pass are lower bounds."
         )
-    at_barriers = estimates_of(dataset)
-    lines += _few_at_collectors(dataset) + too_few(at_barriers)
+    lines += _few_at_collectors(dataset) + too_few(estimates_of(dataset))
     if study.settings.barriers:
         lines.append(NOTE)
     if study.inputs.placement is None:
@@ -220,11 +219,6 @@ def _few_at_collectors(dataset: xr.Dataset) -> list[str]:
     few = [f"{n} pass x = {x:g} m" for x, n in counts if n < least_blocks(99)]
     needed = f"An interval of the 99 % value needs {least_blocks(99)} blocks"
     return [f"{needed}, but {listed(few)}."] if few else []
-
-
-def _median_stop(dataset: xr.Dataset) -> float:
-    x = dataset.x_m.values[np.isfinite(dataset.x_m.values)]
-    return float(np.median(x)) if len(x) else float(dataset.bin_left_m.values[0])
 
 
 def _ending_table(dataset: xr.Dataset) -> Table:
@@ -258,9 +252,9 @@ def _collectors(dataset: xr.Dataset) -> list[Part]:
         first = (f"{x:g}", f"{passing}{share}")
         for word, (name, unit, factor) in PASSAGES.items():
             values = factor * dataset[name].values[valid, place]
-            found = factor * dataset[f"{name}_percentiles"].values[:, place]
+            percentiles = factor * dataset[f"{name}_percentiles"].values[:, place]
             cells = []
-            for p, value in zip(PERCENTILES, found, strict=True):
+            for p, value in zip(PERCENTILES, percentiles, strict=True):
                 cells.append(value)
                 if p in DESIGN_PERCENTILES:
                     cells.append(interval_text(*percentile_interval(values, p)))
@@ -273,22 +267,19 @@ def _collectors(dataset: xr.Dataset) -> list[Part]:
 
 
 def _settings(study: SlopeStudy) -> Table:
-    rows: list[tuple[str, object]] = [
-        (f"contacts: {name}", str(value))
-        for name, value in study.law.description.items()
-    ]
+    inputs, settings = study.inputs, study.settings
+    rows = [(f"contacts: {k}", str(v)) for k, v in study.law.description.items()]
     rows += [
         ("blocks", str(study.release.count)),
-        ("seed", str(study.inputs.seed)),
-        ("bins of x", str(study.settings.bins)),
-        ("time limit [s]", f"{study.settings.limits.time:g}"),
-        ("event limit", str(study.settings.limits.events)),
-        ("hop threshold", f"{study.settings.limits.hop_threshold:g}"),
+        ("seed", str(inputs.seed)),
+        ("bins of x", str(settings.bins)),
+        ("time limit [s]", f"{settings.limits.time:g}"),
+        ("event limit", str(settings.limits.events)),
+        ("hop threshold", f"{settings.limits.hop_threshold:g}"),
     ]
-    if study.inputs.smoothing is not None:
-        rows.append(("profile", str(study.inputs.smoothing)))
-    if study.inputs.placement is not None:
-        place = study.inputs.placement
+    if inputs.smoothing is not None:
+        rows.append(("profile", str(inputs.smoothing)))
+    if (place := inputs.placement) is not None:
         rows += [
             ("x = 0 on the map", f"{place.easting:.2f}, {place.northing:.2f}"),
             ("direction of x, from north", f"{np.degrees(place.azimuth):g}°"),
@@ -298,7 +289,7 @@ def _settings(study: SlopeStudy) -> Table:
     closed = isinstance(study.law.contacts, ClosedForm)
     laws = {n: v for n, v in study.laws.items() if n == SHAPE or not closed}
     rows += [(f"law: {name}", str(law)) for name, law in laws.items()]
-    ground = study.inputs.ground_table.items()
+    ground = inputs.ground_table.items()
     rows += [(f"ground: {name}", _in_words(value)) for name, value in ground]
     return Table(("setting", "value"), rows)
 
@@ -328,20 +319,20 @@ def _inputs(dataset: xr.Dataset) -> Table:
 
 
 def _grounds(study: SlopeStudy) -> Table:
-    """Write the stretches of ground that is alike for all blocks."""
-    number, told = grounds_of(
-        study.profile, study.inputs.materials, study.inputs.random_ground
+    """Write the stretches of ground that is alike for all blocks, 40 at most."""
+    inputs, x = study.inputs, study.profile.x
+    number, descriptions = grounds_of(
+        study.profile, inputs.materials, inputs.random_ground
     )
-    x = study.profile.x
     rows, start = [], 0
-    for segment, ground in enumerate(number):
-        if segment + 1 == len(number) or number[segment + 1] != ground:
-            words = ", ".join(told[ground]) or "one ground"
-            rows.append((f"{x[start]:g}", f"{x[segment + 1]:g}", words))
-            start = segment + 1
-    if len(rows) > MOST_ROWS:
-        more = f"and {len(rows) - MOST_ROWS} more stretches, in the study's files"
-        rows = [*rows[:MOST_ROWS], ("", "", more)]
+    for ground, segments in itertools.groupby(number):
+        stop = start + len(list(segments))
+        words = ", ".join(descriptions[ground]) or "one ground"
+        rows.append((f"{x[start]:g}", f"{x[stop]:g}", words))
+        start = stop
+    if len(rows) > 40:
+        more = f"and {len(rows) - 40} more stretches, in the study's files"
+        rows = [*rows[:40], ("", "", more)]
     return Table(("x from [m]", "to [m]", "ground"), rows)
 
 

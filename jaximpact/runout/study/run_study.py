@@ -10,8 +10,8 @@ import contextlib
 import json
 import time
 import warnings
-from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -67,6 +67,22 @@ ENVELOPES = {
     "speed_mps": ("m/s", "largest speed"),
     "energy_J": ("J", "largest kinetic energy"),
 }
+RELEASE_NUMBERS = {
+    "x_m": ("x", "m", "of the centre"),
+    "y_m": ("y", "m", "of the centre"),
+    "v_x_mps": ("v_x", "m/s", "to the right"),
+    "v_y_mps": ("v_y", "m/s", "upwards"),
+    "orientation_deg": (
+        *("orientation", "deg", "from the vertical, clockwise, to the major axis"),
+    ),
+    "angular_velocity_degps": ("angular_velocity", "deg/s", "clockwise"),
+}
+"""Field of the release, unit and meaning."""
+PERCENTILES = (50, 90, 95, 99)
+FIRST_PORTION = 64
+"""Number of blocks of the first portion, and the least that a worker gets."""
+QUICK = 2.0
+"""Time of a portion [s] below which the next has twice the size."""
 
 
 def simulate(
@@ -88,7 +104,6 @@ def simulate(
 
 
 def _part_of(study: SlopeStudy, chosen: np.ndarray) -> SlopeStudy:
-    """Select some blocks of a study."""
     return study._replace(
         release=study.release.of_blocks(chosen),
         ground=study.ground.of_blocks(chosen),
@@ -101,90 +116,55 @@ def edges_of(study: SlopeStudy) -> np.ndarray:
     return np.linspace(study.profile.x[0], study.profile.x[-1], study.settings.bins + 1)
 
 
+def places_of(study: SlopeStudy) -> list[float]:
+    """List the places at which passages are found: collectors and barriers [m]."""
+    barriers = (barrier.x for barrier in study.settings.barriers)
+    return sorted({*study.settings.collectors.tolist(), *barriers})
+
+
+def columns_of_rows(study: SlopeStudy) -> list[str]:
+    """List the names of the numbers of a row."""
+    return [
+        *("ending", *BLOCK_NUMBERS),
+        *(f"{n} at {x!r}" for x in places_of(study) for n in PASSAGE_NUMBERS),
+        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.settings.bins)),
+    ]
+
+
 def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
     """Summarise each block in a row of numbers, in the order of `columns_of_rows`."""
     blocks, stretches = runs.release.count, stretches_of(runs)
     contacts = runs.contacts
     impacts = contacts.trajectory[contacts.outcome >= 0].astype(int)
     hops = contacts.trajectory[contacts.hop.astype(bool)].astype(int)
-    start, end = _energies(runs)
-    numbers = {
-        "ending": runs.ending,
-        "x_m": runs.x,
-        "y_m": runs.y,
-        "time_s": runs.time,
-        "impacts": np.bincount(impacts, minlength=blocks),
-        "hops": np.bincount(hops, minlength=blocks),
-        "events": runs.events,
-        "energy_at_release_J": start,
-        "energy_at_end_J": end,
-    }
+    columns = [
+        *(runs.ending, runs.x, runs.y, runs.time),
+        np.bincount(impacts, minlength=blocks),
+        np.bincount(hops, minlength=blocks),
+        runs.events,
+        *_energies(runs),
+    ]
     for x in places_of(study):
         count, first = first_passages(passages(runs, x, stretches), blocks)
-        of_passage = {
-            "passages": count,
-            "passage_time_s": first.time,
-            "passage_v_x_mps": first.v_x,
-            "passage_v_y_mps": first.v_y,
-            "passage_speed_mps": first.speed,
-            "passage_spin_radps": first.angular_velocity,
-            "passage_translational_energy_J": first.translational_energy,
-            "passage_rotational_energy_J": first.rotational_energy,
-            "passage_energy_J": first.energy,
-            "passage_centre_height_m": first.centre_height,
-            "passage_lowest_height_m": first.lowest_height,
-        }
-        numbers |= {f"{name} at {x!r}": of_passage[name] for name in PASSAGE_NUMBERS}
+        columns += [count, first.time, first.v_x, first.v_y, first.speed]
+        columns += [first.angular_velocity, first.translational_energy]
+        columns += [first.rotational_energy, first.energy]
+        columns += [first.centre_height, first.lowest_height]
     maxima = maxima_along(runs, edges_of(study), stretches)
-    for name, values in zip(ENVELOPES, maxima, strict=True):
-        numbers |= {f"{name} in bin {i}": column for i, column in enumerate(values.T)}
-    return np.stack([numbers[name] for name in columns_of_rows(study)], axis=1)
+    columns += [column for values in maxima for column in values.T]
+    return np.stack(columns, axis=1)
 
 
 def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
     """Compute the kinetic energy of each block at release, and at its end [J]."""
     mass, inertia = runs.release.mass_properties
-    body = runs.release.body
-    speeds = body.v_x**2 + body.v_y**2
-    start = 0.5 * (mass * speeds + inertia * body.angular_velocity**2)
     p = runs.pieces
     last = np.searchsorted(p.trajectory, np.arange(len(mass)), "right") - 1
-    final = state_after(select(p, last), p.duration[last])
-    speeds = final.v_x**2 + final.v_y**2
-    end = 0.5 * (mass * speeds + inertia * final.angular_velocity**2)
-    return start, np.where(runs.ending == Ending.stopped, 0.0, end)
-
-
-def places_of(study: SlopeStudy) -> list[float]:
-    """List the places at which passages are found: collectors and barriers [m]."""
-    return sorted(
-        {*study.settings.collectors.tolist(), *(b.x for b in study.settings.barriers)}
+    start, end = (
+        0.5 * (mass * (b.v_x**2 + b.v_y**2) + inertia * b.angular_velocity**2)
+        for b in (runs.release.body, state_after(select(p, last), p.duration[last]))
     )
-
-
-def columns_of_rows(study: SlopeStudy) -> list[str]:
-    """List the names of the numbers of a row."""
-    return [
-        "ending",
-        *BLOCK_NUMBERS,
-        *(f"{n} at {x!r}" for x in places_of(study) for n in PASSAGE_NUMBERS),
-        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.settings.bins)),
-    ]
-
-
-def _rows_of(study: SlopeStudy) -> np.ndarray:
-    return summarise(study, simulate(study))
-
-
-PERCENTILES = (50, 90, 95, 99)
-FIRST_PORTION = 64
-"""Number of blocks of the first portion."""
-PORTIONS = 64
-"""Number of portions that an executor gets, if they are neither small nor large."""
-LARGEST_PORTION = 1024
-"""Largest number of blocks of such a portion, which a worker may lose."""
-QUICK = 2.0
-"""Time of a portion [s] below which the next has twice the size."""
+    return start, np.where(runs.ending == Ending.stopped, 0.0, end)
 
 
 @numpy_settings()
@@ -243,7 +223,6 @@ def _warn_of_speed(dataset: xr.Dataset) -> None:
 
 
 def _run_here(study: SlopeStudy, collector: Collector) -> None:
-    """Compute the blocks that are not done, portion by portion."""
     size, waiting = FIRST_PORTION, np.flatnonzero(collector.missing)
     while len(waiting):
         portion, waiting = waiting[:size], waiting[size:]
@@ -257,18 +236,23 @@ def _run_here(study: SlopeStudy, collector: Collector) -> None:
 def _run_elsewhere(
     executor: concurrent.futures.Executor, study: SlopeStudy, collector: Collector
 ) -> None:
-    """Compute the blocks that are not done by the workers of an executor."""
     waiting = np.flatnonzero(collector.missing)
-    size = int(np.clip(-(-len(waiting) // PORTIONS), FIRST_PORTION, LARGEST_PORTION))
+    # 64 portions keep many workers busy; a lost worker costs 1024 blocks at most.
+    size = int(np.clip(-(-len(waiting) // 64), FIRST_PORTION, 1024))
     portions = [waiting[i : i + size] for i in range(0, len(waiting), size)]
     run_tasks(
         executor,
         (Task(_rows_of, _part_of(study, portion)) for portion in portions),
-        lambda number, found: collector.take(portions[number], found),
+        lambda number, rows: collector.take(portions[number], rows),
     )
 
 
-def _subject(study: SlopeStudy) -> dict:
+def _rows_of(study: SlopeStudy) -> np.ndarray:
+    return summarise(study, simulate(study))
+
+
+def _subject(study: SlopeStudy) -> dict[str, Any]:
+    """Describe what the rows of blocks depend on, ready for JSON."""
     return {
         "runout": study.inputs.checksums_by_name,
         "contacts": study.law.description,
@@ -277,176 +261,142 @@ def _subject(study: SlopeStudy) -> dict:
     }
 
 
-class _BlockRows:
-    """Numbers of blocks by name, from rows in the order of `columns_of_rows`."""
-
-    def __init__(self, study: SlopeStudy, rows: np.ndarray):
-        self.study, self.rows = study, rows
-        self.place = {name: i for i, name in enumerate(columns_of_rows(study))}
-
-    def of(self, name: str) -> np.ndarray:
-        """Give a number, `(blocks,)`."""
-        return self.rows[:, self.place[name]]
-
-    def at(self, name: str, places: Iterable[float]) -> np.ndarray:
-        """Give a number of first passages, `(blocks, places)`."""
-        return self.rows[:, [self.place[f"{name} at {x!r}"] for x in places]]
-
-    def in_bins(self, name: str) -> np.ndarray:
-        """Give a largest value in each bin, `(blocks, bins)`."""
-        bins = range(self.study.settings.bins)
-        return self.rows[:, [self.place[f"{name} in bin {i}"] for i in bins]]
+Variables = dict[str, tuple[Any, ...]]
+"""Dimensions, values and attributes of the variables of a dataset, by name."""
 
 
-def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
-    rows, codes = _BlockRows(study, numbers), numbers[:, 0].astype(int)
-    valid = codes != Ending.failed
+def _variable(dimensions, values: np.ndarray, unit: str, meaning: str) -> tuple:
+    return dimensions, values, {"units": unit, "long_name": meaning}
+
+
+def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
+    places, blocks = places_of(study), len(rows)
+    ends = np.cumsum([1 + len(BLOCK_NUMBERS), len(places) * len(PASSAGE_NUMBERS)])
+    of_blocks, at_places, in_bins = np.split(rows, ends, axis=1)
+    at_places = at_places.reshape(blocks, len(places), len(PASSAGE_NUMBERS))
+    first = dict(zip(PASSAGE_NUMBERS, np.moveaxis(at_places, -1, 0), strict=True))
+    codes = rows[:, 0].astype(int)
     endings = np.array([str(ending) for ending in Ending])[codes]
-    variables = {"ending": ("block", endings, {"long_name": "why it ended"})}
+    variables: Variables = {"ending": ("block", endings, {"long_name": "why it ended"})}
     variables |= _inputs_of(study.release) | _ground_of(study)
-    for name, (unit, meaning) in BLOCK_NUMBERS.items():
-        variables[name] = "block", rows.of(name), _about(unit, meaning)
+    for i, (name, about) in enumerate(BLOCK_NUMBERS.items(), 1):
+        variables[name] = _variable("block", of_blocks[:, i], *about)
+    valid, collectors = codes != Ending.failed, study.settings.collectors
     # NetCDF 3 takes a dimension of no length for one that grows.
-    if len(study.settings.collectors):
-        variables |= _passages(rows, valid)
-    places = [barrier.x for barrier in study.settings.barriers]
-    of_barriers, barriers = barrier_variables(
-        study.settings.barriers,
-        {name: rows.at(name, places) for name in PASSAGE_NUMBERS},
+    if len(collectors):
+        chosen = [places.index(x) for x in collectors.tolist()]
+        variables |= _passages({n: v[:, chosen] for n, v in first.items()}, valid)
+    chosen = [places.index(barrier.x) for barrier in study.settings.barriers]
+    of_barriers, coordinates = barrier_variables(
+        study.settings.barriers, {n: v[:, chosen] for n, v in first.items()}
     )
-    variables |= of_barriers | _envelopes(rows, valid)
-    percentiles = ("percentile", np.array(PERCENTILES), _about("%", ""))
-    coordinates = _coordinates_of(study) | barriers | {"percentile": percentiles}
-    return xr.Dataset(variables, coordinates, _attributes_of(study, codes))
-
-
-def _coordinates_of(study: SlopeStudy) -> dict:
-    """Describe blocks, collectors if there are any, and bins, as coordinates."""
+    in_bins = in_bins.reshape(blocks, len(ENVELOPES), study.settings.bins)
+    variables |= of_barriers | _envelopes(in_bins, valid)
+    if len(collectors):
+        coordinates["collector"] = _variable("collector", collectors, "m", "x")
     edges = edges_of(study)
-    at = {"collector": ("collector", study.settings.collectors, _about("m", "x"))}
-    return (at if len(study.settings.collectors) else {}) | {
-        "block": np.arange(study.release.count),
-        "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
-        "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
-        "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
+    coordinates |= {
+        "block": np.arange(blocks),
+        "bin": _variable("bin", 0.5 * (edges[1:] + edges[:-1]), "m", "x, middle"),
+        "bin_left_m": _variable("bin", edges[:-1], "m", "x, left end of the bin"),
+        "bin_right_m": _variable("bin", edges[1:], "m", "x, right end of the bin"),
+        "percentile": _variable("percentile", np.array(PERCENTILES), "%", ""),
     }
+    return xr.Dataset(variables, coordinates, _attributes_of(study, codes))
 
 
 def _attributes_of(study: SlopeStudy, codes: np.ndarray) -> dict[str, str]:
     """Describe title, inputs and endings as attributes of a dataset, in JSON."""
-    endings = (ending for ending in Ending if np.any(codes == ending))
-    told = {
-        "files": study.inputs.checksums_by_name,
-        "contacts": study.law.description,
-        "laws": study.laws,
-        "ground": study.inputs.ground_table,
-        **(
-            {"profile": study.inputs.smoothing._asdict()}
-            if study.inputs.smoothing
-            else {}
-        ),
-        "seed": study.inputs.seed,
+    inputs, limits, subject = study.inputs, study.settings.limits, _subject(study)
+    counts = {str(e): int(np.sum(codes == e)) for e in Ending}
+    described = {
+        "files": subject.pop("runout"),
+        **subject,
+        "ground": inputs.ground_table,
+        "seed": inputs.seed,
         "blocks": len(codes),
-        "time_limit_s": study.settings.limits.time,
-        "event_limit": study.settings.limits.events,
-        "hop_threshold": study.settings.limits.hop_threshold,
-        "endings": {str(e): int(np.sum(codes == e)) for e in endings},
-        "versions": versions() | {"numpy": np.__version__},
+        "time_limit_s": limits.time,
+        "event_limit": limits.events,
+        "hop_threshold": limits.hop_threshold,
+        "endings": {ending: count for ending, count in counts.items() if count},
     }
-    return {"title": study.inputs.title} | {k: json.dumps(v) for k, v in told.items()}
+    if inputs.smoothing is not None:
+        described["profile"] = inputs.smoothing._asdict()
+    return {"title": inputs.title} | {k: json.dumps(v) for k, v in described.items()}
 
 
-def _envelopes(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
+def _envelopes(in_bins: np.ndarray, valid: np.ndarray) -> Variables:
     """Describe largest values in bins: of each block, and percentiles of the valid
     blocks' ones."""
-    there = np.isfinite(rows.in_bins("speed_mps")[valid])
     meaning = "blocks that come into the bin, without those that failed"
-    variables: dict[str, tuple] = {
-        "blocks_in_bin": ("bin", np.sum(there, axis=0), _about("-", meaning))
-    }
-    for name, (unit, meaning) in ENVELOPES.items():
-        values = rows.in_bins(name)
-        variables[f"envelope_{name}_percentiles"] = (
+    there = np.sum(np.isfinite(in_bins[valid, 0]), axis=0)
+    variables = {"blocks_in_bin": _variable("bin", there, "-", meaning)}
+    for i, (name, (unit, meaning)) in enumerate(ENVELOPES.items()):
+        values = in_bins[:, i]
+        variables[f"envelope_{name}_percentiles"] = _variable(
             ("percentile", "bin"),
             _percentiles(values[valid]),
-            _about(unit, f"{meaning} in the bin: percentiles of the blocks in it"),
+            unit,
+            f"{meaning} in the bin: percentiles of the blocks in it",
         )
-        variables[f"envelope_{name}_max"] = (
-            "bin",
-            _percentiles(values[valid], (100,))[0],
-            _about(unit, f"{meaning} in the bin, of all blocks"),
+        largest = _percentiles(values[valid], (100,))[0]
+        variables[f"envelope_{name}_max"] = _variable(
+            "bin", largest, unit, f"{meaning} in the bin, of all blocks"
         )
-        variables[f"max_{name}"] = (
-            "block",
-            np.fmax.reduce(values, axis=1),  # NaN only for a block without any
-            _about(unit, f"{meaning} on its way"),
-        )
+        # NaN only for a block without any.
+        largest = np.fmax.reduce(values, axis=1)
+        about = unit, f"{meaning} on its way"
+        variables[f"max_{name}"] = _variable("block", largest, *about)
         # Of half the size, and precise enough for curves.
-        variables[f"{name}_in_bin"] = (
-            ("block", "bin"),
-            values.astype(np.float32),
-            _about(unit, f"{meaning} in the bin; nan for a block that is never there"),
-        )
+        single = values.astype(np.float32)
+        about = unit, f"{meaning} in the bin; nan for a block that is never there"
+        variables[f"{name}_in_bin"] = _variable(("block", "bin"), single, *about)
     return variables
 
 
-def _passages(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
+def _passages(first: dict[str, np.ndarray], valid: np.ndarray) -> Variables:
     """Describe first passages of collectors, and percentiles of the valid blocks'
     ones."""
     variables = {}
     for name, (unit, meaning) in PASSAGE_NUMBERS.items():
-        values = rows.at(name, rows.study.settings.collectors.tolist())
-        variables[name] = ("block", "collector"), values, _about(unit, meaning)
+        values = first[name]
+        variables[name] = _variable(("block", "collector"), values, unit, meaning)
         if name not in ("passages", "passage_time_s"):
-            variables[f"{name}_percentiles"] = (
+            variables[f"{name}_percentiles"] = _variable(
                 ("percentile", "collector"),
                 _percentiles(values[valid]),
-                _about(unit, f"{meaning}: percentiles of the blocks that pass"),
+                unit,
+                f"{meaning}: percentiles of the blocks that pass",
             )
     meaning = "blocks that pass the collector, without those that failed"
-    counts = np.sum(variables["passages"][1][valid] > 0, axis=0)
-    variables["blocks_passing"] = "collector", counts, _about("-", meaning)
+    counts = np.sum(first["passages"][valid] > 0, axis=0)
+    variables["blocks_passing"] = _variable("collector", counts, "-", meaning)
     return variables
 
 
-def _inputs_of(release: Release) -> dict:
+def _inputs_of(release: Release) -> Variables:
     """List the samples of blocks and releases, in the units of their names."""
-    variables = {}
     shape = release.block.shape
-    kinds = shape.kinds if isinstance(shape, MixedShapes) else (type(shape),)
-    names = np.array([text_of(kind) for kind in kinds])
-    index = shape.index if isinstance(shape, MixedShapes) else np.zeros(release.count)
-    variables[SHAPE] = (
-        "block",
-        names[np.asarray(index, int)],
-        {"long_name": "shape of the block"},
-    )
+    is_mixed = isinstance(shape, MixedShapes)
+    names = [text_of(kind) for kind in (shape.kinds if is_mixed else (type(shape),))]
+    index = shape.index if is_mixed else np.zeros(release.count)
+    shapes = np.array(names)[np.asarray(index, int)]
+    variables: Variables = {
+        SHAPE: ("block", shapes, {"long_name": "shape of the block"})
+    }
     for column in columns_of_part("block", release.block).values():
         values = np.asarray(getattr(release.block, column.field)) / column.factor
-        variables[column.name] = ("block", values, _about(column.unit, column.meaning))
-    for name, values, unit, meaning in (
-        ("release_x_m", release.x, "m", "of the centre"),
-        ("release_y_m", release.y, "m", "of the centre"),
-        ("release_v_x_mps", release.v_x, "m/s", "to the right"),
-        ("release_v_y_mps", release.v_y, "m/s", "upwards"),
-        (
-            "release_orientation_deg",
-            release.orientation / DEGREE,
-            "deg",
-            "from the vertical, clockwise, to the major axis",
-        ),
-        (
-            "release_angular_velocity_degps",
-            release.angular_velocity / DEGREE,
-            "deg/s",
-            "clockwise",
-        ),
-    ):
-        variables[name] = ("block", values, _about(unit, f"at release, {meaning}"))
+        about = column.unit, column.meaning
+        variables[column.name] = _variable("block", values, *about)
+    for name, (field, unit, meaning) in RELEASE_NUMBERS.items():
+        values = getattr(release, field) / (DEGREE if "deg" in unit else 1.0)
+        variables[f"release_{name}"] = _variable(
+            "block", values, unit, f"at release, {meaning}"
+        )
     return variables
 
 
-def _ground_of(study: SlopeStudy) -> dict:
+def _ground_of(study: SlopeStudy) -> Variables:
     """List the samples of the ground, in the units of the names."""
     variables, columns = {}, ground_columns(study.ground.soil)
     for name, values in study.inputs.ground_samples.items():
@@ -455,20 +405,16 @@ def _ground_of(study: SlopeStudy) -> dict:
         column = columns[max(ends, key=len)]
         part = name.removesuffix(column.name).removesuffix("_")
         where = part.replace("_", " ", 1) or "the ground"
-        attributes = _about(column.unit, f"of {where}: {column.meaning}")
-        variables[f"ground_{name}"] = ("block", values, attributes)
+        meaning = f"of {where}: {column.meaning}"
+        variables[f"ground_{name}"] = _variable("block", values, column.unit, meaning)
     return variables
 
 
 def _percentiles(values: np.ndarray, of: tuple[int, ...] = PERCENTILES) -> np.ndarray:
     """Compute percentiles over the finite blocks, `(of, places)`; NaN without any."""
-    found = np.full((len(of), values.shape[1]), np.nan)
+    percentiles = np.full((len(of), values.shape[1]), np.nan)
     for place, column in enumerate(values.T):
         finite = column[np.isfinite(column)]
         if len(finite):
-            found[:, place] = np.percentile(finite, of)
-    return found
-
-
-def _about(unit: str, meaning: str) -> dict[str, str]:
-    return {"units": unit, "long_name": meaning}
+            percentiles[:, place] = np.percentile(finite, of)
+    return percentiles

@@ -35,8 +35,7 @@ from .block_file import (
     read_release,
 )
 from .contact_laws import NamedLaw, check_law, read_laws
-from .ground_file import GroundInput
-from .ground_layout import GroundLayout
+from .ground_file import GroundInput, GroundLayout
 from .profile_file import MapPlacement, read_ground_profile, read_map_placement
 
 TABLES = (
@@ -51,10 +50,6 @@ NUMBERS = (
 )
 DEFAULT_COUNT = 1000
 """Default number of blocks where something is random."""
-MOST_COLLECTORS = 100
-"""Largest number of collectors: each is a curve, and rows of every table."""
-MOST_BINS = 10_000
-"""Largest number of bins: more than a drawing shows, and columns of every block."""
 DEFAULT_BINS = 50
 DEFAULT_EXPORT = 50
 """Default number of trajectories in files."""
@@ -133,13 +128,11 @@ class SlopeInput(NamedTuple):
     """Study as its file says it, before any block is sampled."""
 
     path: Path
-    checksums: dict[Path, str]
-    """SHA-256 of the files that the study names."""
+    checksums: dict[Path, str]  # SHA-256 of the files that the study names
     ground: GroundInput
     layout: GroundLayout
     blocks: BlockInput
-    start: dict[str, Quantity]
-    """Quantities of the releases."""
+    start: dict[str, Quantity]  # quantities of the releases
     laws: list[NamedLaw]
     limits: Limits
     seed: int
@@ -150,49 +143,41 @@ class SlopeInput(NamedTuple):
         return self.ground.varied() | self.blocks.quantities | self.start
 
     def sample(
-        self, count: int, seed: int, given: Mapping[str, np.ndarray] | None = None
+        self, count: int, seed: int, fixed: Mapping[str, np.ndarray] | None = None
     ) -> tuple[dict[str, np.ndarray], Release, Ground]:
         """Sample blocks with their releases and their ground.
 
-        Args:
-            count: number of blocks.
-            seed: of all random inputs.
-            given: values of quantities that are not sampled, `(count,)` by key.
+        Quantities that are not sampled have `given` values, `(count,)` by key.
 
         Returns:
             Samples by key, blocks at release, and the ground as each block finds it.
 
         Raises InputError, naming file and key, for samples out of range.
         """
-        path, profile, given = self.path, self.layout.profile, given or {}
-        rest = {k: q for k, q in self.quantities.items() if k not in given}
-        samples = draw(rest, count, seed) | dict(given)
+        profile, fixed = self.layout.profile, fixed or {}
+        rest = {k: q for k, q in self.quantities.items() if k not in fixed}
+        samples = draw(rest, count, seed) | dict(fixed)
         samples |= self.ground.sample_jointly(samples, count, seed)
-        fields = len(self.ground.fields())
-        top = Key(path)
+        top = Key(self.path)
         check_memory(
-            count * profile.segments * fields,
+            count * profile.segments * len(self.ground.fields()),
             f"{count} blocks with ground of {profile.segments} cells each",
             **top["ground"].place,
         )
         samples |= self.ground.sample_fields(self.layout, count, seed)
-        soil_columns = ground_columns(profile.soil)
-        columns = {"ground": soil_columns, "block": self.blocks.columns}
+        columns = ground_columns(profile.soil), self.blocks.columns
         for name, values in samples.items():
-            _check_sample(top, name, values, columns)
-        release = make_release(path, samples, profile, self.blocks)
+            _check_sample(top, name, values, *columns)
+        release = make_release(self.path, samples, profile, self.blocks)
         ground = self.ground.of_blocks(self.layout, samples, seed)
         for law in self.laws:
-            check_law(path, law, profile, release, ground)
+            check_law(self.path, law, profile, release, ground)
         return samples, release, ground
 
 
 def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeInput:
-    """Read what a study says of ground, blocks, releases and laws.
-
-    Args:
-        content: content of the file.
-        accuracy: accuracy of the full model, in place of the file's.
+    """Read what a study, with this content, says of ground, blocks, releases and laws;
+    the accuracy of the full model stands in place of the file's.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
@@ -201,6 +186,8 @@ def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeIn
     checksums: dict[Path, str] = {}
     ground = GroundInput.read(path, content)
     layout = read_ground_profile(path, content, ground, checksums)
+    time = content.get("time_limit_s", TIME_LIMIT)
+    hop_threshold = content.get("hop_threshold", HOP_THRESHOLD)
     return SlopeInput(
         path=path,
         checksums=checksums,
@@ -208,7 +195,11 @@ def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeIn
         layout=layout,
         laws=read_laws(path, content, accuracy),
         seed=whole(top, content, "seed", 0, 0),
-        limits=_limits(top, content),
+        limits=Limits(
+            number(top["time_limit_s"], time, above=0.0, unit="s"),
+            whole(top, content, "event_limit", EVENT_LIMIT, 1),
+            number(top["hop_threshold"], hop_threshold, least=0.0),
+        ),
         blocks=read_blocks(path, content),
         start=read_release(path, content, layout.profile),
     )
@@ -241,83 +232,64 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     `read_slope_study`.
     """
     path = Path(path)
-    top = Key(path)
-    data = read_input(path)
+    top, data = Key(path), read_input(path)
     content = parse_toml(path, data)
-    given = read_slope_input(path, content, accuracy)
-    ground_input, layout = given.ground, given.layout
-    profile = layout.profile
-    jointly, fields = ground_input.sampled_jointly(), ground_input.fields()
-    by_chance = bool(jointly or fields)
-    count = _count(top, content, given.quantities, profile, by_chance)
-    bins = whole(top, content, "bins", DEFAULT_BINS, 1, MOST_BINS)
+    slope = read_slope_input(path, content, accuracy)
+    ground, profile = slope.ground, slope.layout.profile
+    jointly, fields = ground.sampled_jointly(), ground.fields()
+    count = _count(top, content, slope, by_chance=bool(jointly or fields))
+    # More bins than a drawing shows are columns of every block.
+    bins = whole(top, content, "bins", DEFAULT_BINS, 1, 10_000)
     check_memory(
         count * (bins + NUMBERS_PER_IMPACT),
         f"{count} blocks in {bins} bins of the envelopes",
         **top["count"].place,
     )
-    samples, release, ground = given.sample(count, given.seed)
+    samples, release, ground_of_blocks = slope.sample(count, slope.seed)
+    exported = whole(top, content, "export_trajectories", DEFAULT_EXPORT, 1)
     settings = StudySettings(
         collectors=_collectors(top, content, profile),
         bins=bins,
-        limits=given.limits,
+        limits=slope.limits,
         barriers=read_barriers(path, content, profile),
-        export_trajectories=whole(
-            top, content, "export_trajectories", DEFAULT_EXPORT, 1
-        ),
+        export_trajectories=exported,
     )
-    varied = *jointly, *ground_input.varied()
+    varied = *jointly, *ground.varied()
     inputs = StudyInputs(
         path=path,
-        checksums={path: hashlib.sha256(data).hexdigest()} | given.checksums,
+        checksums={path: hashlib.sha256(data).hexdigest()} | slope.checksums,
         title=typed(top, content, "title", str, path.stem),
-        seed=given.seed,
+        seed=slope.seed,
         ground_table=_default_angles(profile) | content.get("ground", {}),
         ground_samples={
             key.removeprefix("ground.").replace(".", "_"): samples[key]
             for key in varied
         },
         random_ground=frozenset(key.split(".")[-1] for key in (*varied, *fields)),
-        materials=layout.materials(ground_input.parts.values()),
+        materials=slope.layout.materials,
         placement=read_map_placement(path, content),
-        smoothing=layout.smoothing,
+        smoothing=slope.layout.smoothing,
     )
     return [
         SlopeStudy(
             profile=profile,
             release=release,
-            ground=ground,
+            ground=ground_of_blocks,
             law=law,
             settings=settings,
             inputs=inputs._replace(checksums=inputs.checksums | law.checksums),
         )
-        for law in given.laws
+        for law in slope.laws
     ]
 
 
-def _limits(top: Key, content: dict) -> Limits:
-    time = content.get("time_limit_s", TIME_LIMIT)
-    threshold = content.get("hop_threshold", HOP_THRESHOLD)
-    return Limits(
-        number(top["time_limit_s"], time, above=0.0, unit="s"),
-        whole(top, content, "event_limit", EVENT_LIMIT, 1),
-        number(top["hop_threshold"], threshold, least=0.0),
-    )
-
-
-def _count(
-    top: Key,
-    content: dict,
-    quantities: dict[str, Quantity],
-    profile: Profile,
-    by_chance: bool,
-) -> int:
+def _count(top: Key, content: dict, slope: SlopeInput, by_chance: bool) -> int:
     """Read the number of blocks; without one, take all combinations of lists, or the
     default number where something is random."""
-    is_rough = np.any(profile.roughness > 0.0) or any(
-        key.endswith(ROUGHNESS_COLUMN) for key in quantities
-    )
-    by_chance |= is_random(quantities) or bool(is_rough)
+    quantities = slope.quantities
+    by_chance |= bool(np.any(slope.layout.profile.roughness > 0.0))
+    by_chance |= any(key.endswith(ROUGHNESS_COLUMN) for key in quantities)
+    by_chance |= is_random(quantities)
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     return whole(top, content, "count", count, 1)
 
@@ -334,10 +306,11 @@ def _default_angles(profile: Profile) -> dict[str, float]:
 def _collectors(top: Key, content: dict, profile: Profile) -> np.ndarray:
     key = top["collectors_m"]
     places = [number(key, x) for x in typed(top, content, "collectors_m", list, [])]
-    if len(places) > MOST_COLLECTORS:
+    # Each is a curve, and rows of every table.
+    if len(places) > 100:
         raise key.error(
-            f"holds {len(places)} places, but at most {MOST_COLLECTORS} are drawn and "
-            "told; bins gives energies, speeds and heights all along the slope"
+            f"holds {len(places)} places, but at most 100 are drawn and told; bins "
+            "gives energies, speeds and heights all along the slope"
         )
     for x in places:
         check_inside(profile, x, "holds", **key.place)
@@ -347,24 +320,19 @@ def _collectors(top: Key, content: dict, profile: Profile) -> np.ndarray:
 
 
 def _check_sample(
-    top: Key, name: str, values: np.ndarray, columns: dict[str, dict]
+    top: Key, name: str, values: np.ndarray, of_ground: dict, of_block: dict
 ) -> None:
-    """Raise InputError for a sample of a distribution that is out of range.
-
-    Args:
-        values: samples, blocks along the first axis.
-    """
-    where = "ground" if name.startswith("ground.") else "block"
-    column = columns[where].get(name.split(".")[-1])
-    if column is not None:
-        key = name if where == "ground" else f"block.{name}"
-        needed, bad = column.requirement, ~column.is_allowed(values)
-    elif name == VOLUME:
-        key, needed = f"block.{name}", VOLUME_COLUMN.requirement
-        bad = ~VOLUME_COLUMN.is_allowed(values)
+    """Raise InputError for samples of a distribution, `(blocks, ...)`, that are out of
+    range."""
+    if name.startswith("ground."):
+        key, column = name, of_ground.get(name.split(".")[-1])
     else:
-        key, needed = f"release.{name}", "at least 0"
-        bad = (values < 0.0) & (name in NOT_NEGATIVE)
+        column = VOLUME_COLUMN if name == VOLUME else of_block.get(name)
+        key = f"block.{name}" if column else f"release.{name}"
+    if column is not None:
+        needed, bad = column.requirement, ~column.is_allowed(values)
+    else:
+        needed, bad = "at least 0", (values < 0.0) & (name in NOT_NEGATIVE)
     if np.any(bad):
         place = np.unravel_index(np.argmax(bad), bad.shape)
         raise top[key].error(
