@@ -15,26 +15,6 @@ from jax.core import Tracer
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 from jax.sharding import NamedSharding, PartitionSpec
 
-__all__ = [
-    "ClosedJaxpr",
-    "Jaxpr",
-    "Literal",
-    "Tracer",
-    "bind",
-    "broadcast_shapes",
-    "called",
-    "is_inside_jit",
-    "is_variable",
-    "keep_programs_by",
-    "namespace_of",
-    "number_in",
-    "place_of",
-    "result_types",
-    "scan_counts",
-    "setting",
-    "walk",
-]
-
 _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
 _EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "BatchTrace"}
 

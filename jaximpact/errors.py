@@ -42,6 +42,7 @@ def located(**place) -> Iterator[None]:
     try:
         yield
     except InputError as error:
+        place = {name: at for name, at in place.items() if at is not None}
         # An error of another file, such as that of a law, is quoted with its place.
         if "file" in error.place or place.keys() & error.place.keys():
             raise InputError(str(error), **place) from error

@@ -303,21 +303,11 @@ def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
 
 # --- From a file.
 
-AXES_KEY = "axes"
 RANGE_KEYS = ("from", "to", "count", "spacing")
 SPACINGS = {"linear": np.linspace, "logarithmic": np.geomspace}
 
 
-class SweepStudy(NamedTuple):
-    """Content of the file."""
-
-    base: Scene
-    axes: Axes
-    accuracy: str | None
-    """Name of a preset, or None where the file does not say."""
-
-
-def read_sweep_study(path: Path) -> SweepStudy:
+def read_sweep_study(path: Path) -> tuple[Scene, Axes, str | None]:
     """Read a sweep: a scene as `read_scene` reads it, and a table `[axes]`.
 
     An axis is a list of numbers, or a range `{from = 1, to = 4, count = 7}` that holds
@@ -325,23 +315,22 @@ def read_sweep_study(path: Path) -> SweepStudy:
     shapes. A table of axes inside it, `[axes.ground]`, holds quantities that vary
     together, and `name` for labels.
 
+    Returns base, axes, and the name of the accuracy, None where the file has none.
     Raises InputError, naming file and key, for whatever cannot be used.
     """
     path = Path(path)
     top, content = Key(path), load_toml(path)
-    base, accuracy = scene_from(path, content, (AXES_KEY,))
-    if AXES_KEY not in content:
-        raise top[AXES_KEY].error("is needed: which quantities vary, and over what")
-    tables = _with_shapes(top[AXES_KEY], typed(top, content, AXES_KEY, dict))
+    base, accuracy = scene_from(path, content, ("axes",))
+    key = top["axes"]
+    if "axes" not in content:
+        raise key.error("is needed: which quantities vary, and over what")
+    tables = _with_shapes(key, typed(top, content, "axes", dict))
     with top.located():
         columns = columns_of_axes(tables, base)
-    axes = {
-        name: _axis(top[AXES_KEY][name], name, value, columns)
-        for name, value in tables.items()
-    }
+    axes = {n: _axis(key[n], n, value, columns) for n, value in tables.items()}
     with top.located():
         check_axes(axes, base, in_memory=False)  # which a store need not fit into
-    return SweepStudy(base, axes, accuracy)
+    return base, axes, accuracy
 
 
 def _with_shapes(key: Key, axes: dict) -> dict:

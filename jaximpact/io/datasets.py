@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -313,8 +312,6 @@ def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
             raise InputError(
                 f"the dataset cannot be written as NetCDF 3: {error}", file=path
             ) from error
-        with open(temporary, "r+b") as file:  # to write, as Windows asks for
-            os.fsync(file.fileno())
 
 
 @numpy_settings()

@@ -132,6 +132,9 @@ def replacing(path: Path) -> Iterator[Path]:
     with unfinished(temporary), naming(path):
         try:
             yield temporary
+            # The name must not outlive the content in a power cut.
+            with open(temporary, "r+b") as file:  # to write, as Windows asks for
+                os.fsync(file.fileno())
             os.replace(temporary, target)
         except BaseException:
             temporary.unlink(missing_ok=True)

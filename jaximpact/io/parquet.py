@@ -5,7 +5,6 @@ reader, one set of messages. Numbers keep every bit.
 """
 
 import io
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -44,6 +43,3 @@ def write_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
     needed("pyarrow", f"{path}, a table in Parquet,")
     with open(path, "wb") as file:
         pd.DataFrame(dict(columns)).to_parquet(file, engine="pyarrow", index=False)
-        file.flush()
-        # The name must not outlive the content in a power cut.
-        os.fsync(file.fileno())

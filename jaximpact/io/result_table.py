@@ -3,7 +3,6 @@
 import csv
 import dataclasses
 import itertools
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -71,21 +70,15 @@ def write_results(
         "outcomes": count_outcomes(summary),
         "versions": versions(),
     }
-    if is_parquet(path):
-        with replacing_with_manifest(path, manifest) as temporary:
+    with replacing_with_manifest(path, manifest) as temporary:
+        if is_parquet(path):
             write_columns(temporary, _columns(table, summary))
-        return
-    with (
-        replacing_with_manifest(path, manifest) as temporary,
-        open(temporary, "w", encoding="utf-8", newline="") as file,
-    ):
-        header = (table.header, *RESULT_COLUMNS, OUTCOME_COLUMN)
-        file.write(",".join(header) + "\n")
-        for lines in _lines(table, summary):
-            file.write("\n".join(lines) + "\n")
-        file.flush()
-        # The name must not outlive the content in a power cut.
-        os.fsync(file.fileno())
+            return
+        with open(temporary, "w", encoding="utf-8", newline="") as file:
+            header = (table.header, *RESULT_COLUMNS, OUTCOME_COLUMN)
+            file.write(",".join(header) + "\n")
+            for lines in _lines(table, summary):
+                file.write("\n".join(lines) + "\n")
 
 
 def _columns(table: SceneTable, summary: ImpactSummary) -> dict[str, np.ndarray]:

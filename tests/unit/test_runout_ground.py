@@ -138,15 +138,16 @@ def test_facets_depend_on_seed_block_and_impact_alone():
     assert not np.any(first == other_first)
 
 
-def test_each_block_has_its_soil():
-    """As if it went alone over a slope of that soil."""
-    soils = Soil(gamma_v=np.array([[2.0], [8.7], [30.0]]), c_v=np.array([1.0, 0.4]))
+@pytest.mark.parametrize("rates", [(2.0, 8.7, 30.0), (30.0, 8.7, 2.0)])
+def test_each_block_has_its_soil(rates):
+    """As if it went alone over a slope of that soil, whichever block ends first."""
+    soils = Soil(gamma_v=np.array(rates)[:, None], c_v=np.array([1.0, 0.4]))
     rolling = np.radians([[10.0], [20.0], [30.0]])
     release = Release(Block(), [2.0, 2.0, 2.0], 232.0, 15.0)
     law = FullModel("fast")
     runs = simulate_runout(BIPLANAR, release, law, ground=Ground(soils, rolling))
     assert len(set(runs.x)) == 3
-    for i, gamma_v in enumerate((2.0, 8.7, 30.0)):
+    for i, gamma_v in enumerate(rates):
         profile = Profile(
             BIPLANAR.x, BIPLANAR.y, Soil(gamma_v=gamma_v, c_v=[1.0, 0.4]), rolling[i]
         )
