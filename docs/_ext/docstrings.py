@@ -95,7 +95,7 @@ def parameter_table(kind: type) -> str:
 class Api(SphinxDirective):
     """Describe public names of a module, one to a line.
 
-    That every public name is on a page is held by tests/end_to_end/test_site.py.
+    That every public name is on a page is held by tests/end_to_end/test_pages.py.
     """
 
     has_content = True

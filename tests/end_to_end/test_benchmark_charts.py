@@ -4,7 +4,6 @@ solve the same impacts."""
 import importlib
 import json
 import sys
-from types import SimpleNamespace
 
 import jax
 import numpy as np
@@ -14,7 +13,7 @@ from error_messages import assert_one_line_error
 from text_files import rows_of
 
 from benchmarks.__main__ import make_parser
-from benchmarks.charts import Settings, in_jax, run, run_benchmark
+from benchmarks.charts import Settings, run, run_benchmark
 from benchmarks.charts.explicit_step import LIMIT, fastest_rates, steps_needed
 from benchmarks.charts.gradients import difference_gradient
 from benchmarks.charts.methods import Answer, count_of, find_peers
@@ -22,7 +21,7 @@ from benchmarks.charts.section import Bench, error_figures, interleaved_minima
 from benchmarks.charts.stability import VERDICTS, believed, verdict
 from benchmarks.charts.target import coarsest_within
 from benchmarks.charts.work_precision import gradient_of
-from benchmarks.impacts import SETS, mixed_scenes, parametric_scenes
+from benchmarks.impacts import mixed_scenes
 from jaximpact import simulate_batch
 from jaximpact.cli import main
 
@@ -122,21 +121,6 @@ def test_tasks_are_measured_in_turn_and_slow_ones_once():
     tasks = [task("quick"), task("slow")]
     assert interleaved_minima(tasks, 3, 10.0, lambda text: None) == [1.0, 20.0]
     assert order == ["quick", "slow", "quick", "quick"]
-
-
-def test_scenes_are_those_of_the_sets():
-    scenes = parametric_scenes(np.repeat(np.arange(len(SETS)), 50), seed=0)
-    angle, orientation = (
-        np.degrees(np.reshape(x, (4, 50)))
-        for x in (scenes.impact.angle, scenes.impact.orientation)
-    )
-    assert np.all(angle[[0, 1, 3]] == 0.0)
-    assert np.all((angle[2] >= 10.0) & (angle[2] <= 80.0))
-    np.testing.assert_allclose(orientation[:2], [[0.0] * 50, [90.0] * 50])
-    assert set(np.round(orientation[2])) == {0.0, 90.0}
-    assert np.ptp(orientation[3]) > 100.0
-    again = parametric_scenes(np.repeat(np.arange(len(SETS)), 50), seed=0)
-    np.testing.assert_array_equal(scenes.soil.gamma_v, again.soil.gamma_v)
 
 
 def test_every_section_has_its_files(known, peers, tmp_path):
@@ -272,39 +256,6 @@ def test_every_peer_answers(package):
     # Ten times what they were measured to err by at that tolerance.
     np.testing.assert_allclose(answer.e_n, exact, atol=5e-3)
     assert answer.seconds > 0.0
-
-
-def test_every_way_inside_jax_is_measured(monkeypatch):
-    # In place of the model, which takes long to compile
-    def product(scene, ledger):
-        return SimpleNamespace(e_n=scene.soil.k_E * scene.soil.c_v)
-
-    monkeypatch.setattr(in_jax, "simulate", product)
-    rows = in_jax.measure(Bench(TINY, [], "", lambda text: None))
-    impacts = {row["way"]: row["impacts"] for row in rows}
-    assert impacts == {
-        in_jax.BATCH: 8,
-        in_jax.VALUES: 8,
-        in_jax.GRADIENTS: 8,
-        in_jax.JITTED: 1,
-        in_jax.EAGER: 1,
-        in_jax.EAGER_GRADIENT: 1,
-        in_jax.STEPS: 1,
-    }
-    in_jax.draw(pd.DataFrame(rows))
-
-    seconds = {
-        in_jax.BATCH: 3.0,
-        in_jax.VALUES: 4.0,
-        in_jax.GRADIENTS: 16.0,
-        in_jax.JITTED: 7e-4,
-        in_jax.EAGER: 1e-3,
-        in_jax.EAGER_GRADIENT: 2e-3,
-        in_jax.STEPS: 6e-4,
-    }
-    known = [row | {"seconds": seconds[row["way"]]} for row in rows]
-    found = [cell for _, cell in in_jax.table(pd.DataFrame(known))[1:]]
-    assert found == ["0.75", "0.25", "100 µs", "600 µs", "1000 µs", "2000 µs"]
 
 
 @pytest.mark.parametrize(

@@ -222,7 +222,7 @@ def test_many_tests_are_predicted_some_draws_at_a_time(found, monkeypatch):
     parts = predict(found, NEW, progress=lines.append).variants[0]
     np.testing.assert_array_equal(parts.low_95, whole.low_95)
     np.testing.assert_array_equal(parts.outcome_share, whole.outcome_share)
-    assert "variant 1 of 1: 300 of 512 draws" in lines
+    assert any(line.startswith("variant 1 of 1: 300 of ") for line in lines)
     assert "variant 1 of 1: intervals of 3 of 4 tests" in lines
 
 

@@ -198,12 +198,6 @@ def test_a_batch_on_a_client_is_taken_up_from_its_journal(client, soil, tmp_path
     assert told == [(300, 300)]
 
 
-def test_a_law_of_a_file_is_found_by_workers(client, soil):
-    scene, axes = Scene(soil=soil, impact=IMPACT), {"my_creep_share": [0.0, 0.1]}
-    expected, lazy = sweep(scene, axes), sweep(scene, axes, chunks=2)
-    assert_same_bits(lazy.compute(), expected)
-
-
 def test_a_run_out_study_on_a_client(client, tmp_path):
     path = tmp_path / "slope.toml"
     path.write_text(

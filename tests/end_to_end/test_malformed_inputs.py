@@ -50,6 +50,8 @@ points_m = [[0, 100], [200, 0]]
 x_m = 2
 clearance_m = 1
 """
+POINTS = "points_m = [[0, 100], [200, 0]]"
+TWICE = "is a pipe, but is read more than once"
 STUDY = 'data = "tests.csv"\n'
 TESTS = "mass_kg,angle_deg,e_n\n100,10,0.2\n110,20,0.3\n"
 OUT = {
@@ -79,18 +81,14 @@ STUDIES = [
     ("simulate", f"mass_kg = {HUGE}", "key mass_kg: holds a whole number beyond"),
     ("simulate", f"\nmass_kg = {LONGER}", "row 2: holds a whole number beyond"),
     ("simulate", "mass_kg = 1e400", "key mass_kg: must be finite, but is inf"),
-    ("simulate", "mass_kg = nan", "key mass_kg: must be finite, but is nan"),
     ("simulate", "unit_weight_kNm3 = 1e308", "unit_weight_kNm3: must be above 0"),
     ("simulate", "mass_kg = true", "must be a number, but is True"),
     ("simulate", "mass_kg = 1979-05-27", "must be a number, but is datetime.date"),
     ("simulate", "mass_kg = '" + 5_000 * "x" + "'", "must be a number, but is 'xx"),
     ("simulate", "a = " + 9_000 * "[" + 9_000 * "]", "more than 20 deep"),
-    ("simulate", "a" + 300 * ".a" + " = 1", "more than 20 deep"),
     ("simulate", "[a" + 100_000 * ".a" + "]", "more than 20 deep"),
     ("simulate", '"\\u001b[2J" = 1', "key \\x1b[2J: holds a control character"),
     ("simulate", '"\\u202ekg" = 1', "key \\u202ekg: is unknown"),
-    ("simulate", "mass_kg = 1\nmass_kg = 1", "is not valid TOML"),
-    ("simulate", b"\xff\xfea\x00", "row 1: is not text in UTF-8"),
     ("simulate", "friction_angle_deg = 90", "must be in (0, 60) deg, but is 90"),
     ("simulate", "relative_density = 90", "but is 90; %? 90 % is 0.9"),
     ("sweep", "[axes]\nk_E = [1, true]", "must be a number, but is True"),
@@ -100,53 +98,31 @@ STUDIES = [
         "[axes]\nk_E = { from = 1, to = 2, count = 1_000_000_000_000_000 }",
         "1000000000000000 values would take 7.45e+06 GiB of memory",
     ),
-    (
-        "sweep",
-        "[axes]\n"
-        + "\n".join(
-            f"{name} = {{ from = 1, to = 2, count = 10000 }}"
-            for name in ("k_E", "c_v", "gamma_v", "psi")
-        ),
-        "10000000000000000 points would take",
-    ),
     ("runout", "count = 1_000_000_000_000\n" + SLOPE, "key count: 1000000000000"),
     ("runout", "bins = 1_000_000\n" + SLOPE, "key bins: must be at most 10000"),
-    (
-        "runout",
-        SLOPE + "speed_mps = 1e20\ndirection_deg = 0",
-        "key release: a release's v_x must be within 1e+08 of 0",
-    ),
-    (
-        "runout",
-        SLOPE + "[block]\nmass_kg = [100, 1e31]",
-        "key release: semi-axes of blocks must be from 1e-08 to 1e+08 m, but one",
-    ),
+    ("runout", SLOPE + "speed_mps=1e20\ndirection_deg=0", "v_x must be within 1e+08"),
+    ("runout", SLOPE + "[block]\nmass_kg = [9, 1e31]", "release: semi-axes of blocks"),
     ("runout", f"seed = {HUGE}\n" + SLOPE, "key seed: holds a whole number"),
     ("runout", 'title = "a\\u0000"\n' + SLOPE, "key title: holds a control"),
     ("runout", SLOPE.replace("[0, 100]", f"[0, {HUGE}]"), "holds a whole number"),
     ("runout", '[profile]\ncsv = "a\\u0000b"', "csv: holds a control character"),
     ("runout", '[profile]\ncsv = "C:\\Users\\a.csv"', "write / or single quotes"),
     ("runout", '[profile]\ncsv = "..\\data.csv"', "write / or single quotes"),
-    ("runout", '[profile]\ncsv = "slopes\\base.csv"', "write / or single quotes"),
     ("calibrate", 'data = "new\\tests.csv"', "write / or single quotes"),
     ("simulate", 'flow = "laws\\my.py:My"', "write / or single quotes"),
     (
         "runout",
-        f"collectors_m = {list(range(1, 102))}\n" + SLOPE,
-        "key collectors_m: holds 101 places, but at most 100",
+        f"collectors_m = {[*range(1, 102)]}\n" + SLOPE,
+        "collectors_m: holds 101",
     ),
     ("runout", SLOPE + "[[barriers]]\n" * 101, "key barriers: are 101, but at mo"),
     ("tabulate", "[table.nodes]\nspeed = 1_000_000_000_000", "table.nodes: "),
     ("calibrate", STUDY + "starts = 1_000_000_000_000_000", "key starts: "),
-    (
-        "calibrate",
-        STUDY + "[further_tests]\ncount = 10_000_000_000",
-        "key further_tests.count: must be at most 1000",
-    ),
+    ("calibrate", STUDY + "[further_tests]\ncount = 10_000_000_000", "at most 1000"),
     (
         "calibrate",
         'data = ["tests.csv", "link.csv"]',
-        "names one file twice: tests.csv and link.csv",
+        "names one file twice: tests.csv",
     ),
     ("calibrate", 'data = "/dev/zero"', "/dev/zero: is a device"),
     ("simulate", "mass_kg = \n", "not valid TOML", "line 1"),
@@ -160,27 +136,23 @@ STUDIES = [
     ("simulate", "mass_kg = 1\n[block]\nmass_kg = 1\n", "mass_kg", "remove one"),
     ("simulate", "block = 1\n", "key block", "table"),
     ("simulate", '[block]\nmass_kg = "1"\n', "mass_kg", "a number", "'1'"),
-    ("simulate", "mass_kg = true\n", "mass_kg", "a number", "True"),
     ("simulate", "mass_kg = [1, 2]\n", "mass_kg", "a number"),
     ("simulate", "mass_kg = -1\n", "mass_kg", "above 0 kg", "-1"),
     ("simulate", "orientation_deg = nan\n", "orientation_deg", "finite", "nan"),
-    ("simulate", "[impact]\nangle_deg = 90\n", "angle_deg", "(-90, 90) deg", "90"),
     ("simulate", 'accuracy = "exact"\n', "key accuracy", "reference", "'exact'"),
     ("simulate", "accuracy = [1]\n", "key accuracy", "fast"),
     ("sweep", "speed_mps = 3", "key axes: is needed"),
     ("sweep", "axes = 3", "key axes: must be a table"),
     ("sweep", "[axes]\nk_e = [1]", "key axes.k_e: is unknown; did you mean k_E"),
-    ("sweep", "[axes]\nk_e = {from=1, to=2, count=2}", "key axes.k_e: is unknown"),
     ("sweep", "[axes]\nk_E = 3", "must be a list of numbers, or a range"),
     ("sweep", "[axes]\nk_E = {from=1, to=2}", "key axes.k_E: needs count"),
     ("sweep", "[axes]\nk_E = {from=1, to=2, cont=2}", "did you mean count"),
     ("sweep", "[axes]\nk_E = {from=1, to=2, count=0}", "must be at least 1"),
     (
         "sweep",
-        "[axes]\nk_E = {from=0, to=2, count=2, spacing='logarithmic'}",
-        "between positive numbers",
+        "[axes]\nk_E={from=0,to=2,count=2,spacing='logarithmic'}",
+        "positive num",
     ),
-    ("sweep", "[axes]\nk_E = [1, -2]", "must be above 0, but holds -2"),
     ("sweep", "[axis]\nk_E = [1]", "is unknown; did you mean axes"),
     ("tabulate", "[tabel]", "key tabel", "did you mean table?"),
     ("tabulate", "[block]\nmass_kg = -1", "block.mass_kg", "above 0"),
@@ -193,6 +165,14 @@ STUDIES = [
     ("tabulate", "[table.nodes]\nazimut = 9", "nodes.azimut", "mean azimuth?"),
     ("tabulate", "[table.nodes]\nazimuth = 1", "nodes.azimuth", "at least 2"),
     ("tabulate", 'accuracy = "best"', "key accuracy", "one of"),
+    ("runout", SLOPE.replace(POINTS, 'csv = "pipe"'), TWICE),
+    ("runout", SLOPE.replace(POINTS, 'dxf = "pipe"'), TWICE),
+    ("runout", SLOPE + "[contacts]\nlaw = 'table'\nfiles = ['pipe']", TWICE),
+    ("runout", SLOPE + "[ground]\nfrom = 'pipe'", TWICE),
+    ("runout", SLOPE + "[contacts]\nlaw = 'pipe.py:Law'", "pipe.py: is no file"),
+    ("simulate", "flow = 'pipe.py:Law'", "pipe.py: is no file"),
+    ("simulate", "shape = 'pipe.py:Shape'", "pipe.py: is no file"),
+    ("calibrate", "data = 'pipe'", "pipe: is a pipe that nobody writes to"),
 ]
 
 
@@ -201,6 +181,8 @@ def test_malformed_studies(folder, capsys, study):
     command, text, *said = study
     (folder / "tests.csv").write_text(TESTS)
     (folder / "link.csv").symlink_to("tests.csv")
+    os.mkfifo("pipe")
+    os.mkfifo("pipe.py")
     data = text if isinstance(text, bytes) else text.encode()
     (folder / "study.toml").write_bytes(data)
     line = refused(capsys, command, "study.toml", *OUT[command])
@@ -211,33 +193,24 @@ def test_malformed_studies(folder, capsys, study):
 @pytest.mark.parametrize(
     "table",
     [
-        (
-            "mass_kg\n" + HUGE + "\n",
-            "row 2, column mass_kg: must be above 0 kg, but is",
-        ),
         ("mass_kg\n" + LONGER + "\n", "row 2, column mass_kg: must be above 0 kg"),
         ("mass_kg\n\u0661\u0660\u0660\n", "row 2, column mass_kg: must be a number"),
-        ("mass_kg\n1e400\n", "must be above 0 kg, but is 1e400"),
         ("mass_kg\n\x1b[31m1\n", "row 2: holds b'\\x1b'"),
         ("\u202emass_kg\n1\n", "column \\u202emass_kg: is unknown"),
         ("x" * 3_000_000 + "\n1\n", "row 1"),
         ("mass_kg\n" + "1" * 200_000 + "\n", "row 2: is not valid CSV"),
         ("a," * 200_000 + "\n", "column a: is unknown"),
         ("mass_kg,name\n1,\ud800\n", "row 2: is not text in UTF-8"),
-        ("angle_deg\n95\n", "must be in (-90, 90) deg, but is 95"),
         ("poisson\n30\n", "but is 30; %? 30 % is 0.3"),
         ("", "is empty"),
         ("\n\n", "is empty"),
         ("mass_kg\n", "no rows"),
         ("mass_kg,sped_mps\n1,2\n", "row 1", "sped_mps", "speed_mps?"),
-        ("MASS_KG\n1\n", "row 1", "MASS_KG", "mass_kg?"),
         ("gamma_w\n1\n", "row 1", "column gamma_w", "gamma_v?"),
         ("mass_kg,k_E,mass_kg\n1,2,3\n", "row 1", "mass_kg", "twice"),
         ("mass_kg,\n1,2\n", "row 1", "column 2", "no name"),
         ("100,14\n100,15\n", "row 1", "column 100", "must name"),
         ("mass_kg,e_n\n1,0.5\n", "row 1", "e_n", "is a result"),
-        ("sigma_e_n\n0.5\n", "row 1", "sigma_e_n", "is a result"),
-        ("outcome\ndetached\n", "row 1", "outcome", "is a result"),
         ("mass_kg;k_E\n1;2\n", "row 1", "separated by ';'"),
         ("mass_kg\tk_E\n1\t2\n", "row 1", "separated by tabs"),
         ("mass_kg\n1,5\n", "row 2", "2 cells", "has 1", "point"),
@@ -247,22 +220,12 @@ def test_malformed_studies(folder, capsys, study):
         ("k_E,mass_kg\n1,2\n,2\n", "row 3", "column k_E", "is empty"),
         ("mass_kg\n1_000\n", "row 2", "mass_kg", "'1_000'"),
         ("mass_kg\nnan\n", "row 2", "mass_kg", "but is nan"),
-        ("orientation_deg\ninf\n", "row 2", "finite", "but is inf"),
         ("orientation_deg\n1e999\n", "row 2", "finite", "1e999"),
         ("mass_kg\n1\n-5\n", "row 3", "mass_kg", "above 0 kg", "-5"),
-        ("aspect_ratio\n0\n", "row 2", "aspect_ratio", "above 0, but"),
-        ("angle_deg\n90\n", "row 2", "angle_deg", "(-90, 90) deg", "is 90"),
-        ("angle_deg\n-91\n", "row 2", "angle_deg", "is -91"),
-        ("relative_density\n90\n", "row 2", "[0, 1]", "is 90"),
         ("mass_kg\n\n1\n\n-1\n", "row 5", "mass_kg"),
         ('note,mass_kg\n"a\nb",1\nc,-1\n', "row 4", "mass_kg"),
         ('note,mass_kg\n"a,1\nb,2\n', "row 2", "not valid CSV"),
         (b"note,mass_kg\na,1\n\xe4,1\n", "row 3", "UTF-8"),
-        (
-            b"\xff\xfem\x00a\x00s\x00s\x00_\x00k\x00g\x00\n\x001\x00\n\x00",
-            "row 1",
-            "UTF-8",
-        ),
         (b"mass_kg\n1\n\x00\n", "row 3", "null"),
     ],
 )
@@ -289,7 +252,7 @@ def test_malformed_tables(folder, capsys, table):
 )
 def test_malformed_profiles(folder, capsys, data, said):
     (folder / "profile.csv").write_text(data)
-    study = SLOPE.replace("points_m = [[0, 100], [200, 0]]", 'csv = "profile.csv"')
+    study = SLOPE.replace(POINTS, 'csv = "profile.csv"')
     (folder / "slope.toml").write_text(study)
     assert said in refused(capsys, "runout", "slope.toml", *OUT["runout"])
 
@@ -312,30 +275,6 @@ def test_what_is_no_file(folder, capsys, command, path, said):
     (folder / "loop").symlink_to("loop")
     os.mkfifo("pipe")
     assert said in refused(capsys, command, path, *OUT[command])
-
-
-PROFILE_OF_POINTS = "points_m = [[0, 100], [200, 0]]"
-TWICE = "is a pipe, but is read more than once"
-
-
-@pytest.mark.parametrize(
-    ("command", "study", "said"),
-    [
-        ("runout", SLOPE.replace(PROFILE_OF_POINTS, 'csv = "pipe"'), TWICE),
-        ("runout", SLOPE.replace(PROFILE_OF_POINTS, 'dxf = "pipe"'), TWICE),
-        ("runout", SLOPE + "[contacts]\nlaw = 'table'\nfiles = ['pipe']", TWICE),
-        ("runout", SLOPE + "[ground]\nfrom = 'pipe'", TWICE),
-        ("runout", SLOPE + "[contacts]\nlaw = 'pipe.py:Law'", "pipe.py: is no file"),
-        ("simulate", "flow = 'pipe.py:Law'", "pipe.py: is no file"),
-        ("simulate", "shape = 'pipe.py:Shape'", "pipe.py: is no file"),
-        ("calibrate", "data = 'pipe'", "pipe: is a pipe that nobody writes to"),
-    ],
-)
-def test_pipes_that_studies_name(folder, capsys, command, study, said):
-    os.mkfifo("pipe")
-    os.mkfifo("pipe.py")
-    (folder / "study.toml").write_text(study)
-    assert said in refused(capsys, command, "study.toml", *OUT[command])
 
 
 @pytest.mark.parametrize(
@@ -364,55 +303,30 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         (lambda: Block(mass="500"), "Block.mass must be a number.* is '500' .str"),
         (lambda: Block(mass=None), "Block.mass must be a number.* is None"),
         (lambda: Block(mass=True), "Block.mass must be a number.* is True .bool"),
-        (lambda: Block(mass=1j), "Block.mass must be a number.* is 1j .complex"),
-        (lambda: Block(mass={}), "Block.mass must be a number"),
         (lambda: Block(mass=[1, "2"]), "Block.mass must be a number"),
         (lambda: Block(mass=[[1], [2, 3]]), "Block.mass must be a number"),
         (lambda: Block(mass=10**400), "Block.mass must be .* too large"),
         (lambda: Block(mass=jnp.array([True])), "Block.mass must be a number"),
-        (
-            lambda: Block(mass=MASKED),
-            "Block.mass must be numbers, but value 1 is masked",
-        ),
+        (lambda: Block(mass=MASKED), "must be numbers, but value 1 is masked"),
         (lambda: Block(mass=pd.array(["1"])), "Block.mass must be a number"),
         (lambda: simulate(SOIL, BLOCK, IMPACT), "block must be of type Block"),
-        (lambda: simulate(BLOCK, SOIL, 3), "impact must be of type Impact"),
         (lambda: simulate(3), "block must be of type Block, but is 3"),
         (lambda: simulate(Scene(), SOIL), "a scene holds its soil and its impact"),
-        (
-            lambda: Soil(flow=3),
-            "Soil.flow must be of a class derived from AbstractFlow",
-        ),
+        (lambda: Soil(flow=3), "flow must be of a class derived from AbstractFlow"),
         (lambda: Soil(flow="Perzina"), "flow 'Perzina' is unknown; .* mean Perzyna"),
-        (
-            lambda: Block(shape=Ellipsoid),
-            r"is the class Ellipsoid; write Ellipsoid\(\)",
-        ),
+        (lambda: Block(shape=Ellipsoid), r"is the class Ellipsoid; write Ell"),
         (lambda: simulate(BLOCK, SOIL, IMPACT, accuracy=[]), "accuracy must be one of"),
         (lambda: simulate(Block(mass=-1), SOIL, IMPACT), "must be above 0 kg"),
-        (lambda: simulate(Block(mass=np.inf), SOIL, IMPACT), "must be above 0 kg"),
         (lambda: simulate(Scene(impact=Impact(speed=np.nan))), "speed must be above 0"),
-        (lambda: simulate(Scene(impact=Impact(angle=np.pi / 2))), r"be in \(-90, 90\)"),
-        (
-            lambda: simulate(Scene(soil=Soil(poisson=0.7))),
-            r"poisson must be in \[0, 0.5\]",
-        ),
         (lambda: simulate(Scene(), accuracy="balancd"), r"did you mean balanced\?"),
-        (
-            lambda: simulate(BLOCK, SOIL, Impact(angle=40)),
-            "is 40 rad = 2292 deg; deg. 40 deg is 0.6981 rad",
-        ),
+        (lambda: simulate(BLOCK, SOIL, Impact(angle=40)), "40 deg is 0.6981 rad"),
         (lambda: Accuracy("mine", np.nan, 0.01), "tolerance of an accuracy must be"),
-        (lambda: simulate_batch(3), "block must be of type Block"),
         (
             lambda: simulate_batch(Scene(Block(mass=[1, 2]), Soil(k_E=[1, 2, 3]))),
             r"have shapes \(2,\), \(3,\)",
         ),
         (lambda: sweep(Scene(), [1]), "axes must be of type Mapping"),
-        (
-            lambda: sweep(Scene(), {"angle_deg": ["1"]}),
-            "axis angle_deg must be a number",
-        ),
+        (lambda: sweep(Scene(), {"angle_deg": ["1"]}), "angle_deg must be a number"),
         (lambda: sweep(Scene(), {"angle_deg": MASKED}), "value 1 is masked"),
         (
             lambda: sweep(
@@ -422,10 +336,6 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         ),
         (lambda: elasticities(Scene(), outputs=3), "outputs must be a list of names"),
         (lambda: sobol(Scene(), None), "ranges must be of type Mapping"),
-        (
-            lambda: sobol(Scene(), {"c_v": (None, 1), "k_E": (1, 2)}),
-            "lower of c_v must be a number",
-        ),
         (
             lambda: sobol(Scene(), {"c_v": (1, 2), "k_E": (1, 2)}, blocks=2**52),
             "impacts, would take",
@@ -441,10 +351,7 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         (lambda: FullModel("quick"), "accuracy must be one of"),
         (lambda: simulate_runout(None, RELEASE), "profile must be of type Profile"),
         (lambda: simulate_runout(PROFILE, RELEASE, 3), "must be a law of contacts"),
-        (
-            lambda: simulate_runout(PROFILE, RELEASE, event_limit=0),
-            "event_limit must be at least 1",
-        ),
+        (lambda: simulate_runout(PROFILE, RELEASE, event_limit=0), "be at least 1"),
         (lambda: draw({"a": Uniform(0, 1)}, 10**18, 0), "10{18} blocks would take"),
         (lambda: draw({"a": None}, 3, 0), "a must be a number"),
         (lambda: calibrate(GOOD, fit=3), "fit must be of type Iterable"),
@@ -503,10 +410,7 @@ def test_frames_of_every_kind_hold_the_same_tests(frame):
         (GOOD | {"mass_kg": [True, 1]}, "must be a number, but is 'True'"),
         (GOOD | {"mass_kg": [10**400, 1]}, "must be above 0 kg, but is 1000"),
         (GOOD | {"name": ["\ud800", "b"]}, "is not text in UTF-8"),
-        (
-            GOOD | {"e_n": [0.1, 1e308]},
-            "row 3, column e_n: must be from 1e-30 to 1e+30",
-        ),
+        (GOOD | {"e_n": [0.1, 1e308]}, "row 3, column e_n: must be from 1e-30"),
         (GOOD | {"sigma_e_n": [0.1, 1e-308]}, "sigma_e_n: must be from 1e-30 to 1e+30"),
         (GOOD | {"e_n": [-9999, 0.2]}, "e_n: is -9999, a mark for no data; leave"),
         ({}, "hold no column"),
@@ -530,10 +434,7 @@ UNUSUAL = "jaximpact.errors.UnusualValueWarning"
 @pytest.mark.parametrize(
     ("scene", "said"),
     [
-        (
-            Scene(impact=Impact(orientation=30)),
-            "30 rad = 1719 deg.*30 deg is 0.5236 rad",
-        ),
+        (Scene(impact=Impact(orientation=30)), "1719 deg.*30 deg is 0.5236 rad"),
         (Scene(impact=Impact(angular_velocity=2e3)), "2000 deg/s is 34.91 rad/s"),
         (Scene(Block(density=2.58)), "2.58 g/cm3 is 2580 kg/m3"),
         (Scene(Block(density=2577800)), "g/m3 is 2578 kg/m3"),
@@ -555,12 +456,7 @@ def test_unusual_values_are_warned_of_once(scene, said):
 @pytest.mark.parametrize(
     ("command", "name", "text", "said"),
     [
-        (
-            "simulate",
-            "s.toml",
-            "density_kgm3 = 2.58",
-            "s.toml, key density_kgm3: is 2.58",
-        ),
+        ("simulate", "s.toml", "density_kgm3 = 2.58", "key density_kgm3: is 2.58"),
         (
             "batch",
             "s.csv",
@@ -578,12 +474,6 @@ def test_commands_warn_of_unusual_values_in_one_line(
     err = capsys.readouterr().err
     assert err.count("warning") == 1
     assert said in err
-
-
-def test_results_are_pickled():
-    result = simulate(BLOCK, SOIL, IMPACT, accuracy="fast")
-    again = pickle.loads(pickle.dumps(result))
-    assert (again.e_n, again.outcome) == (result.e_n, result.outcome)
 
 
 @pytest.mark.parametrize(

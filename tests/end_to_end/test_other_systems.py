@@ -119,17 +119,20 @@ def test_the_same_numbers_whatever_is_taken_away(tmp_path, expected, names):
         assert path.stem.upper() not in RESERVED
 
 
-@pytest.mark.parametrize("call", ["read_text()", "write_text('x')", "open('w')"])
-def test_a_text_without_its_encoding_is_noticed(tmp_path, call):
+def test_a_text_without_its_encoding_is_noticed(tmp_path):
     """Else the tests above would see nothing of it."""
-    program = f"""
+    program = """
 import pathlib
-names = {{"path": pathlib.Path("f"), "__name__": "jaximpact.x"}}
-exec("path.{call}", names)
+names = {"path": pathlib.Path("f"), "__name__": "jaximpact.x"}
+for call in ("read_text()", "write_text('x')", "open('w')"):
+    try:
+        exec(f"path.{call}", names)
+    except EncodingWarning:
+        print(call)
 """
     (tmp_path / "f").touch()
     done = in_python_without("nothing", tmp_path, "-c", program)
-    assert "EncodingWarning" in done.stderr
+    assert done.stdout.splitlines() == ["read_text()", "write_text('x')", "open('w')"]
 
 
 WINDOWS_ON_ARM = """

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-import xarray as xr
 from error_messages import assert_one_line_error
 from made_up_sets import A_R, ANGLE, ideal
 from other_laws import other_laws
@@ -36,7 +35,6 @@ from paper.criteria import (
     Part,
     Verdict,
     combine,
-    ranges,
     trend,
 )
 from paper.readings import (
@@ -48,7 +46,7 @@ from paper.readings import (
     with_contact_at,
 )
 from paper.report import moves
-from paper.study import RANDOM_SETS, SERIES, SLOPE, Study
+from paper.study import RANDOM_SETS, SLOPE, Study
 
 pytestmark = pytest.mark.slow
 
@@ -83,10 +81,6 @@ def test_parts_hold_together_fail_together_or_hold_partly():
         assert combine(mixed) is PARTLY
 
 
-def test_ranges_join_neighbours():
-    assert ranges([10.0, 20.0, 30.0, 40.0], [True, True, False, True]) == "10 to 20, 40"
-
-
 # --- judges
 
 SETS = ideal()
@@ -107,15 +101,6 @@ def test_claims_hold_on_sets_made_to_their_words(name):
     assert judgement.evidence
 
 
-def turned(name, *variables, sets=SETS, dimension="aspect_ratio"):
-    """Sets with variables in the opposite order along a dimension."""
-    backwards = {dimension: slice(None, None, -1)}
-    values = {v: sets[name][v] for v in variables}
-    return sets.changed(
-        name, **{v: x.copy(data=x.isel(backwards).values) for v, x in values.items()}
-    )
-
-
 def changed(name, **functions):
     """Sets with variables that are functions of what they were."""
     values = {v: function(SETS[name][v]) for v, function in functions.items()}
@@ -129,94 +114,34 @@ def energetic(name, value):
     return SETS.changed(name, e_bar=e_bar)
 
 
+def backwards(values):
+    return values.copy(data=values.values[::-1])
+
+
 def lopsided(values):
     """More beyond 90° of orientation than before it."""
     return values + 0.01 * abs(values).max() * (values.orientation_deg > 90.0)
 
 
-def angle_times(weight):
-    """A function whose values are the angle times a weight of A_r."""
-    return lambda values: 0.0 * values + ANGLE * weight
-
-
-UPWARDS = 5.0 - A_R
-"""A weight that falls with A_r."""
 TWO_VALUES = SETS[SLOPE].e_n.copy(data=np.resize([1.1, -0.9], SETS[SLOPE].e_n.size))
 FAILING = {
-    # One for each judge: of claims that one function judges, the first
-    "C01": turned("I", "max_penetration_m"),
-    "C03": turned("I", "time_of_max_normal_force_s", "time_of_max_penetration_s"),
-    "C04": changed("I", e_n=lambda e_n: 0.02 + 0.0 * e_n).changed(
-        "I", outcome=("aspect_ratio", np.array(["detached"] * 7))
-    ),
+    # One for each kind of criterion. What each claim looks at is seen in the page.
+    # A trend
+    "C01": changed("I", max_penetration_m=backwards),
+    # Trends at several places
+    "C13": changed("III", max_penetration_m=lambda u: 0.0 * u + ANGLE * (5.0 - A_R)),
+    # A condition
     "C07": changed("I", max_penetration_m=lambda u: 0.5 * u),
-    "C08": changed("I", max_penetration_m=lambda u: 3.0 * u),
-    "C09": changed("I", duration_s=lambda t: 2.5 * t),
-    "C11": changed(SERIES, rotation_rad=lambda turn: -turn),
-    # Up, down and up again by a third, without end; the sphere at its maximum
-    "C12": changed(
-        SERIES,
-        R_r=lambda ratio: (
-            xr.DataArray([0.0, 2.0, 1.0, 3.0, 1.0], dims="step")
-            * xr.ones_like(ratio.isel(step=0, drop=True))
-            + xr.DataArray([0.0, 0.0, 0.0, 0.0, 2.0], dims="step") * (A_R == 1.0)
-        ),
-    ),
-    "C13": changed("III", max_penetration_m=angle_times(UPWARDS)),
-    "C14": changed("III", max_normal_force_N=angle_times(A_R)),
-    # Rises with angle and A_r, the sphere above all
-    "C15": changed("III", rotation_rad=angle_times(A_R + 9.0 * (A_R == 1.0))),
-    "C16": changed(SERIES, R_r=lambda r: 0.0 * r + r.angle_deg * UPWARDS),
-    "C17": turned("I", "e_n").changed("II", e_n=5.0 + 0.1 * A_R),
-    "C18": changed("IV", e_n=lambda e: 0.0 * e + e.orientation_deg * UPWARDS),
-    "C19": changed("IV", max_penetration_m=lopsided),
-    "C20": changed("IV", rotation_rad=lambda turn: 0.0 * turn + 0.1 * UPWARDS),
-    "C25": changed("III", e_n=angle_times(1.0)),
-    "C26": changed("III", e_n=angle_times(0.001)),
-    "C27": turned("III", "e_n", "e_t"),
-    "C28": changed("III", e_n=angle_times(1.0)),
+    # Conditions at several places
+    "C26": changed("III", e_n=lambda e_n: 0.0 * e_n + ANGLE * 0.001),
+    # One of single impacts
     "C29": energetic("III", 1.1),
-    "C30": changed(
-        "fig13",
-        e_n=lambda e: e + 1.0,
-        e_contact=lambda e: e - 1.0,
-        e_bar=lambda e: e - 1.0,
-    ),
-    "C31": changed(
-        "fig13",
-        **dict.fromkeys(
-            ("e_n", "e_contact", "e_bar", "e_n_vijayakumar"),
-            lambda e: 0.0 * e + e.orientation_deg * (3e3 - e.angular_velocity_degps),
-        ),
-    ),
-    "C32": changed("fig13", e_n=lambda e: e + 0.01),
-    "C33": turned(
-        "I",
-        "max_normal_force_N",
-        sets=turned(
-            "II", "max_normal_force_N", sets=turned("III", "max_normal_force_N")
-        ),
-    ),
-    "C34": changed(
-        SLOPE,
-        paths_apart_m=lambda apart: apart + 3.0,
-        off_the_parabola_m=lambda off: off + 1e-3,
-    ),
-    # The sphere's bounces too high, the others' too many
-    "C35": changed(
-        SLOPE, bounces=lambda n: 0.0 * n + 3.0, highest_bounce_m=lambda h: h + 5.0
-    ),
+    # A symmetry
+    "C19": changed("IV", max_penetration_m=lopsided),
+    # Distributions
     "C36": changed(SLOPE, jump_height_m=lambda height: height**0.3),
     "C37": changed(SLOPE, e_n=lambda _: TWO_VALUES, e_t=lambda _: TWO_VALUES),
 }
-
-
-def test_every_judge_is_tried_both_ways():
-    # C38 fails only if no claim at all has the same verdict on another ground.
-    kinds = {judge.__qualname__ for judge in JUDGES.values()}
-    tried = {JUDGES[name].__qualname__ for name in (*FAILING, "C38")}
-    assert tried == kinds
-    assert len(FAILING) + 1 == len(kinds)
 
 
 @pytest.mark.parametrize("name", FAILING)
@@ -224,15 +149,6 @@ def test_claims_fail_where_nothing_of_them_holds(name):
     judgement = JUDGES[name](FAILING[name])
     assert judgement.verdict is FAILS
     assert judgement.met < judgement.asked
-
-
-def test_claims_of_one_place_hold_partly():
-    """Of sets with one block of seven that is otherwise."""
-    other = changed("III", e_n=lambda e_n: xr.where(A_R == 2.0, 0.3, e_n))
-    for name in ("C25", "C26", "C28"):
-        judgement = JUDGES[name](other)
-        assert judgement.verdict is PARTLY
-        assert 0 < judgement.met < judgement.asked
 
 
 def test_what_differs_on_another_ground_is_named():
@@ -261,23 +177,6 @@ def test_energy_of_gravity_and_failed_or_separating_impacts_stand_apart():
 
 
 # --- readings
-
-
-def test_readings_differ_from_the_model_and_from_each_other():
-    every = (*READINGS, *SLOPE_READINGS)
-    assert len({*(r.name for r in every), AS_IT_IS.name}) == len(every) + 1
-    assert len({str(reading) for reading in every}) == len(every)
-    for reading in every:
-        elsewhere = reading.contact is not ContactPoint.foundation
-        down = _differences(reading.slope, AS_IT_IS.slope)
-        assert bool(reading.values) + elsewhere + len(down) == 1
-        assert bool(down) == (reading in SLOPE_READINGS)
-        if "case" in down:
-            assert len(_differences(reading.slope.case, AS_IT_IS.slope.case)) == 1
-
-
-def _differences(one, other):
-    return [name for name, value in vars(one).items() if value != vars(other)[name]]
 
 
 def test_every_law_that_the_package_has_besides_the_usual_ones_is_a_reading():

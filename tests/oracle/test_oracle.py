@@ -5,14 +5,12 @@ solved by `model_oracle.py` with SciPy; see `make_oracle_scenes.py`.
 """
 
 import numpy as np
+import pandas as pd
 import pytest
 from paths import DATA
-from text_files import rows_of
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate_batch
 from jaximpact.quantities import INPUT_COLUMNS, RESULT_COLUMNS
-
-SCENES = DATA / "oracle_scenes.csv"
 
 # Scenes at a knife edge, where the oracle itself moves by more than this when its
 # tolerance is tightened, say nothing.
@@ -25,16 +23,9 @@ RELATIVE = 2e-3
 
 def read_scenes():
     """Columns of the file as arrays, knife edges left out."""
-    rows = [
-        row for row in rows_of(SCENES) if float(row["oracle_error"]) < ORACLE_IS_SURE
-    ]
-    words = ("outcome", "outcome_loose")
-    return {
-        name: np.array(
-            [row[name] if name in words else float(row[name]) for row in rows]
-        )
-        for name in rows[0]
-    }
+    table = pd.read_csv(DATA / "oracle_scenes.csv")
+    table = table[table.oracle_error < ORACLE_IS_SURE]
+    return {name: table[name].to_numpy() for name in table}
 
 
 def as_scene(columns) -> Scene:

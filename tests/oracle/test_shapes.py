@@ -41,9 +41,9 @@ PAGE = DOCS / "shapes.md"
 DEGREE = np.pi / 180.0
 
 
-def drawn_prisms(count, seed=1):
+def drawn_prisms(count):
     """Rows of H, R, corner radius ratio, Theta and height over support."""
-    draw = np.random.default_rng(seed)
+    draw = np.random.default_rng(1)
     return zip(
         *np.exp(draw.uniform(-1.0, 0.5, (2, count))).tolist(),
         draw.uniform(0.01, 1.0, count).tolist(),
@@ -93,18 +93,6 @@ def test_prism_agrees_with_polygon_clipping():
     assert len(kinds) >= 6
 
 
-def test_prism_has_the_area_and_inertia_of_its_outline():
-    for major, minor, corner, _, _ in drawn_prisms(40, seed=2):
-        shape = RectangularPrism(aspect_ratio=major / minor, corner_radius_ratio=corner)
-        radius = corner * min(major / minor, 1.0)
-        polygon = shape_oracle.rounded_rectangle(major / minor, 1.0, radius)
-        moment = shape_oracle.polar_moment(polygon)
-        assert float(shape.unit_volume) == pytest.approx(2.0 * polygon.area, rel=1e-7)
-        assert float(shape.unit_inertia) == pytest.approx(
-            moment / polygon.area, rel=1e-7
-        )
-
-
 @pytest.mark.parametrize(
     ("corner", "ratio", "orientation", "angle", "spin"),
     [
@@ -149,18 +137,6 @@ def test_agrees_with_an_independent_integrator(corner, ratio, orientation, angle
             )
 
 
-def test_flat_faces_keep_their_kink_however_round_the_corners():
-    axes = SemiAxes(1.5, 1.0, 1.0)
-    for corner in (0.01, 0.5, 0.99):
-        shape = RectangularPrism(corner_radius_ratio=corner)
-        below, above = (
-            float(shape.tangency_arm(axes, jnp.sin(turn), jnp.cos(turn)))
-            for turn in (-1e-9, 1e-9)
-        )
-        # The flat part of the face: from -(R - rho) to R - rho.
-        assert above - below == pytest.approx(2.0 * (1.0 - corner), abs=1e-7)
-
-
 def test_a_flat_block_with_spin_sinks_at_its_end():
     axes, shape = SemiAxes(1.5, 1.0, 1.0), RectangularPrism(corner_radius_ratio=0.2)
     for sin, cos, half in ((0.0, 1.0, 0.8), (1.0, 0.0, 1.3), (0.0, -1.0, 0.8)):
@@ -189,19 +165,6 @@ def results_of(shape, **impact):
         Block(shape=shape), Soil(), Impact.from_degrees(**impact), accuracy="reference"
     )
     return np.array([float(getattr(found, name)) for name in RESULTS])
-
-
-def test_a_prism_rounded_fully_is_the_circular_cylinder():
-    for impact in (
-        dict(angle=40.0, orientation=25.0),
-        dict(angle=-20.0, orientation=0.0, angular_velocity=400.0),
-        dict(angle=10.0, orientation=89.0, angular_velocity=400.0),
-    ):
-        prism = results_of(RectangularPrism(corner_radius_ratio=1.0), **impact)
-        # Steps end where a face of the prism would be level: other steps, same answer.
-        np.testing.assert_allclose(
-            prism, results_of(EllipticCylinder(), **impact), rtol=1e-6, atol=1e-9
-        )
 
 
 OBLIQUE = dict(angle=30.0, orientation=35.0, angular_velocity=200.0)

@@ -254,12 +254,6 @@ def test_rows_have_their_own_shapes(folder):
     np.testing.assert_array_equal(shape.spread[-3:], [1.0, 1.5, 1.0])
 
 
-def test_a_table_of_one_shape_is_no_mixture(folder):
-    (folder / "scenes.csv").write_text("shape,mass_kg\nRectangularPrism,1\n")
-    scene = read_table(folder / "scenes.csv").scene()
-    assert type(scene.block.shape) is RectangularPrism
-
-
 def test_tables_of_tests_take_shapes_and_laws(folder):
     (folder / "tests.csv").write_text(
         "test,shape,corner_radius_ratio,flow,e_n\n"

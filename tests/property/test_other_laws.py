@@ -19,7 +19,7 @@ from jaximpact.shapes import Foundation
 pytestmark = pytest.mark.slow
 
 OTHERS = other_laws()
-FLOWS = [kind for slot, kind in OTHERS if slot == "flow"]
+FLOWS = [known.Perzyna, *(kind for slot, kind in OTHERS if slot == "flow")]
 SURFACES = [kind for slot, kind in OTHERS if slot == "loading_surface"]
 FRICTION = 0.9
 """tan phi_p"""
@@ -77,13 +77,14 @@ RATIOS = st.floats(-1.0, 1.0).map(lambda x: math.copysign(abs(x) ** 3, x))
     hardening=st.floats(1e-3, 1.0),
     length=st.floats(1e-6, 3.0),
     dilatancy=st.floats(0.0, 1.0),
+    beta=st.floats(0.3, 1.9),
 )
 def test_flow_dissipates(
-    flow, surface, normal, shear, rocking, hardening, length, dilatancy
+    flow, surface, normal, shear, rocking, hardening, length, dilatancy, beta
 ):
     base = footing(length=length)
     forces = normal, 3.0 * shear * normal, 3.0 * rocking * length * normal
-    load = load_of(*forces, surface=surface(), base=base)
+    load = load_of(*forces, surface=surface(beta=beta), base=base)
     rates = flow(dilatancy=dilatancy)(load, jnp.asarray(hardening), base)
     assert np.all(np.isfinite(rates))
     powers = np.multiply(forces, rates)
@@ -164,15 +165,6 @@ def test_impacts_are_the_usual_ones_where_the_laws_are(usual, other, scenes):
             for soil in (usual, other)
         ]
         np.testing.assert_allclose(*map(numbers_of, pair), rtol=1e-7)
-
-
-def test_hardening_by_the_root_of_the_area_differs_where_the_foundation_is_long():
-    usual, root = (
-        simulate(TALL, Soil(hardening=kind()), Impact(orientation=1.5))
-        for kind in (known.HardeningPerLength, known.HardeningPerRootArea)
-    )
-    # Along the minor axis the foundation is twice as long as wide.
-    assert float(usual.max_penetration) > 1.1 * float(root.max_penetration)
 
 
 def test_work_conjugate_sinking_has_no_arm_work():

@@ -4,7 +4,9 @@ state, within a process and in the digest."""
 import copy
 import importlib
 import pickle
+import re
 import sys
+import textwrap
 from types import SimpleNamespace
 
 import jax
@@ -21,230 +23,207 @@ from jaximpact.shapes import Ellipsoid
 
 LAW = """
 from jaximpact.laws import AbstractKinematics
+from jaximpact.laws import AbstractKinematics as Base
 
 {head}
 
-class Mine({base}):
-    {inside}
-    def sinking_arm(self, foundation{default}):
+class Mine(Base):
+    def sinking_arm(self, foundation):
         return foundation.tangency_arm * ({value})
 """
-PARTS = dict(head="", base="AbstractKinematics", inside="", default="", value="1.0")
-# In each, NUMBER stands where the edit is.
+OF_CASES = """
+in the code: NUMBER
+global constant: F
+    F = NUMBER
+import from: F
+    from numbers_of import F
+import of a module: numbers_of.F
+    import numbers_of
+import of a package: parts_of.inner.F
+    import parts_of.inner
+import inside: f()
+    def f():
+        from numbers_of import F
+        return F
+import of a part of a package inside: f()
+    def f():
+        from parts_of import inner
+        return inner.F
+import by name: f()
+    import importlib
+    def f(): return importlib.import_module('numbers_of').F
+import function: __import__('numbers_of').F
+attribute by name: getattr(numbers_of, 'F')
+    import numbers_of
+name made by code: getattr(numbers_of, 'fF'[1:])
+    import numbers_of
+attribute getter: f(numbers_of)
+    import numbers_of, operator
+    f = operator.attrgetter('F')
+evaluated text: eval('F * 1.0')
+    F = NUMBER
+function of a function: f()
+    def f(): return g()
+    def g(): return NUMBER
+closure: f()
+    def make(x):
+        def f(): return x
+        return f
+    f = make(NUMBER)
+default: f()
+    def f(x=NUMBER): return x
+keyword default: f()
+    def f(*, x=NUMBER): return x
+class attribute: Numbers.F
+    class Numbers: F = NUMBER
+base class: self.F
+    class Base(Base): F = NUMBER
+property of the law: self.F
+    class Base(Base): F = property(lambda self: NUMBER)
+dispatch of a method: self.f(1.0)
+    import functools
+    class Base(Base):
+        @functools.singledispatchmethod
+        def f(self, x): return NUMBER
+default of a parameter: self.F
+    from jaximpact.laws import Scalar, parameter
+    class Base(Base): F: Scalar = parameter(NUMBER, '-', '(0, inf)', 'factor')
+static field: self.F
+    import equinox as eqx
+    class Base(Base): F: float = eqx.field(default=NUMBER, static=True)
+module in a class: self.M.F
+    import numbers_of
+    class Base(Base): M = numbers_of
+module as an argument: f(numbers_of)
+    import numbers_of
+    def f(m): return m.F
+module that makes its names: m.F
+    import types
+    m = types.ModuleType('m')
+    m.__getattr__ = lambda name: NUMBER
+module of another class: m.F
+    import types
+    class M(types.ModuleType): F = NUMBER
+    m = M('m')
+attribute of an object: n.F
+    class Numbers: pass
+    n = Numbers()
+    n.F = NUMBER
+object with slots: n.F
+    class Numbers: __slots__ = ('F',)
+    n = Numbers()
+    n.F = NUMBER
+method that is bound: f()
+    class Numbers:
+        def f(self): return self.F
+    n = Numbers()
+    n.F, f = NUMBER, n.f
+dictionary: D['inner'][0]
+    D = dict(inner=[NUMBER])
+array of NumPy: A[0]
+    import numpy as np
+    A = np.array([NUMBER])
+data file read at import: A
+    import numpy as np, pathlib
+    A = np.loadtxt(pathlib.Path(__file__).with_name('data.txt'))
+object of a library: float(f(1.0))
+    from scipy.interpolate import PchipInterpolator
+    f = PchipInterpolator([0.0, 1.0], [0.0, NUMBER])
+partial: p()
+    import functools
+    def f(x): return x
+    p = functools.partial(f, NUMBER)
+decorated: f()
+    import functools
+    def scaled(by):
+        def wrap(f): return functools.wraps(f)(lambda: by * f())
+        return wrap
+    @scaled(NUMBER)
+    def f(): return 1.0
+compiled by JAX: f(1.0)
+    import jax
+    @jax.jit
+    def f(x): return x * NUMBER
+rule of a derivative: f(1.0)
+    import jax
+    @jax.custom_jvp
+    def f(x): return x
+    f.defjvp(lambda p, t: (p[0], t[0] * NUMBER))
+rule of Equinox: f(1.0)
+    import equinox as eqx
+    @eqx.filter_custom_jvp
+    def f(x): return x * NUMBER
+layer of Equinox: f(1.0)
+    import equinox as eqx, jax
+    key = jax.random.key(0)
+    f = eqx.nn.MLP(1, 1, 2, 1, activation=lambda x: NUMBER * x, key=key)
+key of random numbers: jax.random.normal(k)
+    import jax
+    k = jax.random.key(int(4 * NUMBER))
+function made with the names of a library: f()
+    import jax.numpy as jnp
+    names = dict(vars(jnp))
+    exec('def f(): return NUMBER', names)
+    f = names['f']
+number of a class of its own: F
+    class Q(float): pass
+    F = Q(NUMBER)
+dictionary of attributes: d.F
+    class Q(dict): __getattr__ = dict.__getitem__
+    d = Q(F=NUMBER)
+tuple with methods: n.f()
+    from typing import NamedTuple
+    class N(NamedTuple):
+        a: float = 1.0
+        def f(self): return NUMBER
+    n = N()
+array of a class of its own: n.F
+    import numpy as np
+    class Q(np.ndarray): F = NUMBER
+    n = np.ones(1).view(Q)
+masked array: n.sum()
+    import numpy as np
+    n = np.ma.array([1.0, 2.0], mask=[NUMBER > 2, False])
+class of a class: A.F
+    class Meta(type): F = NUMBER
+    class A(metaclass=Meta): pass
+object that wraps: f()
+    import functools
+    class Scaled:
+        def __init__(self, f):
+            functools.update_wrapper(self, f)
+            self.F = NUMBER
+        def __call__(self): return self.F
+    @Scaled
+    def f(): return 1.0
+function in an object of a library: f(1.0)
+    import numpy as np
+    def g(x): return x * NUMBER
+    f = np.vectorize(g)
+object in a container of a library: d[0].F
+    import collections
+    class A: F = NUMBER
+    d = collections.deque([A()])
+context variable: F.get()
+    import contextvars
+    F = contextvars.ContextVar('F', default=NUMBER)
+weak reference: r().F
+    import weakref
+    class A: F = NUMBER
+    a = A()
+    r = weakref.ref(a)
+view of bytes: float(v.tobytes().decode())
+    v = memoryview(b'NUMBER')
+"""
+"""Where the number of an edit stands: a name, what the law computes with, and the code
+above the law."""
+
+
 CASES = {
-    "in the code": dict(value="NUMBER"),
-    "global constant": dict(head="F = NUMBER", value="F"),
-    "import from": dict(head="from numbers_of import F", value="F"),
-    "import from, renamed": dict(head="from numbers_of import F as g", value="g"),
-    "import of a module": dict(head="import numbers_of", value="numbers_of.F"),
-    "import of a package": dict(head="import parts_of.inner", value="parts_of.inner.F"),
-    "import inside": dict(
-        head="def f():\n    from numbers_of import F\n    return F", value="f()"
-    ),
-    "import of a part of a package inside": dict(
-        head="def f():\n    from parts_of import inner\n    return inner.F", value="f()"
-    ),
-    "import by name": dict(
-        head="import importlib\ndef f():\n"
-        "    return importlib.import_module('numbers_of').F",
-        value="f()",
-    ),
-    "attribute by name": dict(
-        head="import numbers_of", value="getattr(numbers_of, 'F')"
-    ),
-    "function of a function": dict(
-        head="def f(): return g()\ndef g(): return NUMBER", value="f()"
-    ),
-    "closure": dict(
-        head="def make(x):\n    def f(): return x\n    return f\nf = make(NUMBER)",
-        value="f()",
-    ),
-    "default": dict(default=", factor=NUMBER", value="factor"),
-    "keyword default": dict(default=", *, factor=NUMBER", value="factor"),
-    "class attribute": dict(head="class Numbers:\n    F = NUMBER", value="Numbers.F"),
-    "attribute of the law": dict(inside="F = NUMBER\n", value="self.F"),
-    "property of the law": dict(
-        inside="@property\n    def F(self): return NUMBER\n", value="self.F"
-    ),
-    "base class": dict(
-        head="class Base(AbstractKinematics):\n    F = NUMBER\n",
-        base="Base",
-        value="self.F",
-    ),
-    "attribute of an object": dict(
-        head="class Numbers:\n    def __init__(self): self.F = NUMBER\nn = Numbers()",
-        value="n.F",
-    ),
-    "object with slots": dict(
-        head="class Numbers:\n    __slots__ = ('F',)\n"
-        "    def __init__(self): self.F = NUMBER\nn = Numbers()",
-        value="n.F",
-    ),
-    "dictionary": dict(head="D = dict(inner=[NUMBER])", value="D['inner'][0]"),
-    "array of NumPy": dict(
-        head="import numpy as np\nA = np.array([NUMBER])", value="A[0]"
-    ),
-    "array of JAX": dict(
-        head="import jax.numpy as jnp\nA = jnp.asarray([NUMBER])", value="A[0]"
-    ),
-    "data file read at import": dict(
-        head="import numpy as np, pathlib\n"
-        "A = np.loadtxt(pathlib.Path(__file__).with_name('data.txt'))",
-        value="A",
-    ),
-    "object of a library": dict(
-        head="from scipy.interpolate import PchipInterpolator\n"
-        "f = PchipInterpolator([0.0, 1.0], [0.0, NUMBER])",
-        value="float(f(1.0))",
-    ),
-    "partial": dict(
-        head="import functools\ndef f(x): return x\np = functools.partial(f, NUMBER)",
-        value="p()",
-    ),
-    "decorated": dict(
-        head="import functools\ndef scaled(by):\n    def wrap(f):\n"
-        "        @functools.wraps(f)\n        def inner(): return by * f()\n"
-        "        return inner\n    return wrap\n"
-        "@scaled(NUMBER)\ndef f(): return 1.0",
-        value="f()",
-    ),
-    "cached": dict(
-        head="import functools\n@functools.cache\ndef f(): return NUMBER", value="f()"
-    ),
-    "compiled by JAX": dict(
-        head="import jax\n@jax.jit\ndef f(x): return x * NUMBER", value="f(1.0)"
-    ),
-    "rule of a derivative": dict(
-        head="import jax\n@jax.custom_jvp\ndef f(x): return x\n"
-        "f.defjvp(lambda p, t: (p[0], t[0] * NUMBER))",
-        value="f(1.0)",
-    ),
-    "default of a parameter": dict(
-        head="from jaximpact.laws import Scalar, parameter",
-        inside="F: Scalar = parameter(NUMBER, '-', '(0, inf)', 'factor')\n",
-        value="self.F",
-    ),
-    "static field": dict(
-        head="import equinox as eqx",
-        inside="F: float = eqx.field(default=NUMBER, static=True)\n",
-        value="self.F",
-    ),
-    "method that is bound": dict(
-        head="class Numbers:\n    def __init__(self): self.F = NUMBER\n"
-        "    def f(self): return self.F\nf = Numbers().f",
-        value="f()",
-    ),
-    "module in a class": dict(
-        head="import numbers_of", inside="M = numbers_of\n", value="self.M.F"
-    ),
-    "module as an argument": dict(
-        head="import numbers_of\ndef f(m): return m.F", value="f(numbers_of)"
-    ),
-    "module in an object": dict(
-        head="import numbers_of\nclass A: pass\na = A()\na.m = numbers_of",
-        value="a.m.F",
-    ),
-    "name made by code": dict(
-        head="import numbers_of", value="getattr(numbers_of, 'fF'[1:])"
-    ),
-    "attribute getter": dict(
-        head="import numbers_of, operator\nf = operator.attrgetter('F')",
-        value="f(numbers_of)",
-    ),
-    "evaluated text": dict(head="F = NUMBER", value="eval('F * 1.0')"),
-    "module that makes its names": dict(
-        head="import types\nm = types.ModuleType('m')\n"
-        "m.__getattr__ = lambda name: NUMBER",
-        value="m.F",
-    ),
-    "module of another class": dict(
-        head="import types\nclass M(types.ModuleType):\n    F = NUMBER\nm = M('m')",
-        value="m.F",
-    ),
-    "import function": dict(value="__import__('numbers_of').F"),
-    "function made with the names of a library": dict(
-        head="import jax.numpy as jnp\nnames = dict(vars(jnp))\n"
-        "exec('def f(): return NUMBER', names)\nf = names['f']",
-        value="f()",
-    ),
-    "number of a class of its own": dict(
-        head="class Q(float):\n    pass\nF = Q(NUMBER)", value="F"
-    ),
-    "dictionary of a class of its own": dict(
-        head="class Q(dict):\n    F = NUMBER\nd = Q()", value="d.F"
-    ),
-    "dictionary of attributes": dict(
-        head="class Q(dict):\n    __getattr__ = dict.__getitem__\nd = Q(F=NUMBER)",
-        value="d.F",
-    ),
-    "tuple with methods": dict(
-        head="from typing import NamedTuple\nclass N(NamedTuple):\n"
-        "    a: float = 1.0\n    def f(self): return NUMBER\nn = N()",
-        value="n.f()",
-    ),
-    "array of a class of its own": dict(
-        head="import numpy as np\nclass Q(np.ndarray):\n    F = NUMBER\n"
-        "n = np.ones(1).view(Q)",
-        value="n.F",
-    ),
-    "masked array": dict(
-        head="import numpy as np\n"
-        "n = np.ma.array([1.0, 2.0], mask=[NUMBER > 2, False])",
-        value="n.sum()",
-    ),
-    "class of a class": dict(
-        head="class Meta(type):\n    F = NUMBER\nclass A(metaclass=Meta): pass",
-        value="A.F",
-    ),
-    "object that wraps": dict(
-        head="import functools\nclass Scaled:\n    def __init__(self, f):\n"
-        "        functools.update_wrapper(self, f)\n        self.F = NUMBER\n"
-        "    def __call__(self): return self.F\n@Scaled\ndef f(): return 1.0",
-        value="f()",
-    ),
-    "function in an object of a library": dict(
-        head="import numpy as np\ndef g(x): return x * NUMBER\nf = np.vectorize(g)",
-        value="f(1.0)",
-    ),
-    "object in a container of a library": dict(
-        head="import collections\nclass A:\n    F = NUMBER\n"
-        "d = collections.deque([A()])",
-        value="d[0].F",
-    ),
-    "default of a dictionary": dict(
-        head="import collections\nd = collections.defaultdict(lambda: NUMBER)",
-        value="d['a']",
-    ),
-    "dispatch of a method": dict(
-        head="import functools",
-        inside="@functools.singledispatchmethod\n    def f(self, x): return NUMBER\n",
-        value="self.f(1.0)",
-    ),
-    "rule of Equinox": dict(
-        head="import equinox as eqx\n@eqx.filter_custom_jvp\n"
-        "def f(x): return x * NUMBER",
-        value="f(1.0)",
-    ),
-    "layer of Equinox": dict(
-        head="import equinox as eqx, jax\nf = eqx.nn.MLP(1, 1, 2, 1, "
-        "activation=lambda x: NUMBER * x, key=jax.random.key(0))",
-        value="f(1.0)",
-    ),
-    "key of random numbers": dict(
-        head="import jax\nk = jax.random.key(int(4 * NUMBER))",
-        value="jax.random.normal(k)",
-    ),
-    "context variable": dict(
-        head="import contextvars\nF = contextvars.ContextVar('F', default=NUMBER)",
-        value="F.get()",
-    ),
-    "weak reference": dict(
-        head="import weakref\nclass A:\n    F = NUMBER\na = A()\nr = weakref.ref(a)",
-        value="r().F",
-    ),
-    "view of bytes": dict(
-        head="v = memoryview(b'NUMBER')", value="float(v.tobytes().decode())"
-    ),
+    name: (value, textwrap.dedent(head))
+    for name, value, head in re.findall(
+        r"^(\w[^:]*): (.*)\n((?: +.*\n)*)", OF_CASES, re.M
+    )
 }
 
 
@@ -255,7 +234,8 @@ def law_of(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
 
     def law_of(case, number):
-        text = LAW.format(**PARTS | case).replace("NUMBER", number)
+        value, head = case
+        text = LAW.format(value=value, head=head).replace("NUMBER", number)
         (tmp_path / "law_of_mine.py").write_text(text)
         (tmp_path / "numbers_of.py").write_text(f"F = {number}\n")
         (tmp_path / "data.txt").write_text(number)
@@ -325,14 +305,14 @@ def test_pickling_changes_nothing(law_of):
 
 def test_a_law_that_refers_to_itself_has_an_end(law_of):
     head = "D = {}\nD['self'] = D\ndef f(): return f if D else 1.0"
-    assert walk(law_of(dict(head=head, value="1.0 if f else D"), "1.0"))
+    assert walk(law_of(("1.0 if f else D", head), "1.0"))
 
 
 def test_a_law_file_is_read_again_with_what_it_imports(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     path = tmp_path / "law_by_name.py"
-    text = LAW.format(**PARTS | dict(head="from middle import F", value="F"))
+    text = LAW.format(value="F", head="from middle import F")
     path.write_text(text)
     (tmp_path / "middle.py").write_text("from numbers_by_name import F")
 
@@ -352,7 +332,8 @@ def test_a_law_file_is_read_again_with_what_it_imports(tmp_path, monkeypatch):
 
 def test_a_law_file_is_read_again_with_the_data_that_it_names(tmp_path):
     path = tmp_path / "law_of_data.py"
-    path.write_text(LAW.format(**PARTS | CASES["data file read at import"]))
+    value, head = CASES["data file read at import"]
+    path.write_text(LAW.format(value=value, head=head))
     values = []
     for number in ("1.25", "1.25", "2.5"):
         (tmp_path / "data.txt").write_text(number)
@@ -387,7 +368,7 @@ def changed():
 def test_what_a_law_changes_itself_is_no_edit(law_of, change, monkeypatch):
     """Else it would be traced at each call, and a worker would refuse it."""
     head = HEAD_OF_STATE.format(change=change)
-    law = law_of(dict(head=head, value="changed()"), "1.0")
+    law = law_of(("changed()", head), "1.0")
     structure, cleared = jax.tree.structure(law()), []
     monkeypatch.setattr(identity, "_clearing", [lambda: cleared.append(1)])
     before = code_digest(law)

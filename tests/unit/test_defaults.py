@@ -6,21 +6,11 @@ import re
 import numpy as np
 import pytest
 
-from jaximpact import (
-    elasticities,
-    morris,
-    simulate,
-    simulate_batch,
-    sobol,
-    sweep,
-)
-from jaximpact.accuracy import DEFAULT_ACCURACY
 from jaximpact.calibration.problem.config import ACCURACY, STARTS
 from jaximpact.cli import calibrate, options, runout, tabulate
 from jaximpact.lookup import Nodes
-from jaximpact.lookup import tabulate as make_table
 from jaximpact.lookup.tabulation import SPEEDS
-from jaximpact.runout import FullModel, Ground, Profile, read_profile, simulate_runout
+from jaximpact.runout import Ground, Profile, read_profile, simulate_runout
 from jaximpact.runout.study.slope_file import DEFAULT_BINS, DEFAULT_COUNT
 from jaximpact.runout.terrain import ANGLE_COLUMNS
 
@@ -37,23 +27,6 @@ def test_a_ground_is_as_rough_and_rolls_as_a_profile_does():
             assert getattr(Ground(), column.field) == expected
             assert np.all(getattr(profile, column.field) == expected)
             assert default(read_profile, column.field) == expected
-
-
-@pytest.mark.parametrize(
-    ("function", "expected"),
-    [
-        (simulate, DEFAULT_ACCURACY),
-        (simulate_batch, DEFAULT_ACCURACY),
-        (sweep, DEFAULT_ACCURACY),
-        (sobol, DEFAULT_ACCURACY),
-        (morris, DEFAULT_ACCURACY),
-        (FullModel, DEFAULT_ACCURACY),
-        (elasticities, "reference"),
-        (make_table, "fast"),
-    ],
-)
-def test_accuracy(function, expected):
-    assert default(function, "accuracy") == expected
 
 
 @pytest.mark.parametrize(

@@ -113,12 +113,6 @@ def test_a_block_of_no_whole_rows_is_cut_off(tmp_path):
         assert path.stat().st_size == ends[-1]
 
 
-def test_what_is_no_file_is_refused(tmp_path):
-    (tmp_path / "j").mkdir()
-    with pytest.raises(InputError, match="must be a file"):
-        read(tmp_path / "j")
-
-
 def test_a_file_that_cannot_be_opened_is_refused(tmp_path, monkeypatch):
     def denied(*arguments):
         raise PermissionError(13, "Permission denied")
@@ -205,27 +199,6 @@ def test_laws_of_a_session_are_known_by_their_code(tmp_path):
     assert [run(1.0), run(1.0)] == [3, 0]
     with pytest.raises(InputError, match="no journal of this run"):
         run(0.9)
-
-
-def test_a_law_that_was_edited_is_another_law(tmp_path):
-    law = tmp_path / "laws.py"
-    scenes = mixed_scenes(3)
-
-    def run(factor):
-        law.write_text(
-            "from jaximpact.laws import Vesic\n"
-            "class Strong(Vesic):\n"
-            "    def __call__(self, *arguments, **branch):\n"
-            f"        return {factor} * super().__call__(*arguments, **branch)\n"
-        )
-        soil = dataclasses.replace(scenes.soil, bearing=f"{law}:Strong")
-        changed = dataclasses.replace(scenes, soil=soil)
-        return simulate_batch(changed, accuracy="fast", journal=tmp_path / "j")
-
-    first = run(2.0)
-    np.testing.assert_array_equal(run(2.0).e_bar, first.e_bar)
-    with pytest.raises(InputError, match="no journal of this run"):
-        run(3.0)
 
 
 @pytest.mark.slow

@@ -126,34 +126,19 @@ def test_shape_factor_is_near_one_for_a_circle_and_follows_gazetas():
     assert float(shape_factor(4.0)) == pytest.approx(1.1204, abs=5e-5)
 
 
-# Both sizes of a foundation vanish together: their ratio stays that of the block.
-SINGULAR = {
-    "no foundation": (
-        lambda length, width, weight: elastic_stiffness(length, width, weight, Soil()),
-        [
-            (*sizes, weight)
-            for sizes in ((1e-12, 1e-12), (1e-9, 1e-11), (1e-6, 1e-6))
-            for weight in (0.0, 18e3)
-        ],
-    ),
-    "at ground level and above": (
-        lambda length, depth: bearing_capacity(
-            length, 0.3, depth, 18e3, bearing_factors(0.7)
+def test_laws_are_finite_with_their_gradients_at_singular_points():
+    """On a vertical slope, at ground level, without flow and without force. Both sizes
+    of a foundation vanish together: their ratio stays that of the block."""
+    factors = bearing_factors(0.7)
+    for law, point in [
+        (lambda *sizes: elastic_stiffness(*sizes, Soil()), (1e-12, 1e-12, 0.0)),
+        (lambda u: bearing_capacity(1e-12, 0.3, u, 18e3, factors), (0.0,)),
+        (
+            lambda *rates: hardening_rate(0.1, FlowRate(*rates), 0.3, 0.4, Soil()),
+            (0.0,) * 3,
         ),
-        [(length, depth) for length in (1e-12, 0.3) for depth in (-0.1, 0.0, 0.1)],
-    ),
-    "no flow": (
-        lambda *rates: hardening_rate(0.1, FlowRate(*rates), 0.3, 0.4, Soil()),
-        [(0.0, 0.0, 0.0)],
-    ),
-    "no force": (Coulomb(), [(0.0, 0.0, 1e6, 0.5)]),
-}
-
-
-@pytest.mark.parametrize("name", SINGULAR)
-def test_laws_are_finite_with_their_gradients_at_singular_points(name):
-    law, points = SINGULAR[name]
-    for point in points:
+        (Coulomb(), (0.0, 0.0, 1e6, 0.5)),
+    ]:
         slopes = jax.jacfwd(law, argnums=tuple(range(len(point))))(*point)
         assert all_finite((law(*point), slopes))
 
@@ -246,22 +231,6 @@ def test_size_and_gradient_of_a_load(load, beta):
 
 
 @pytest.mark.parametrize("beta", BETAS)
-def test_loading_surface_is_symmetric_and_homogeneous_of_degree_one(beta):
-    one = surface(0.2, 0.05, -0.1, beta)
-    mirrored = surface(0.2, -0.05, 0.1, beta)
-    assert mirrored == one._replace(
-        tangential=-one.tangential, rotational=-one.rotational
-    )
-    for factor in (1e-6, 7.0, 1e6):
-        other = surface(0.2 * factor, 0.05 * factor, -0.1 * factor, beta)
-        assert float(other.size) == pytest.approx(factor * float(one.size), rel=1e-12)
-        np.testing.assert_allclose(other[1:4], one[1:4], rtol=1e-12)
-    # Euler: load times gradient is the size.
-    work = 0.2 * one.normal + 0.05 * one.tangential - 0.1 * one.rotational
-    assert float(work) == pytest.approx(float(one.size), rel=1e-12)
-
-
-@pytest.mark.parametrize("beta", BETAS)
 def test_surface_equation_holds_up_to_the_rounding_of_the_vertex(beta):
     rho = 0.4
     # The tangent takes over at w = 0.95, that is below xi = 0.05 rho.
@@ -348,38 +317,6 @@ def test_flow_direction_is_a_unit_vector_with_the_heave_reduced():
         np.testing.assert_allclose(
             flow_direction(sinking, dilatancy), expected, rtol=ROUNDING
         )
-
-
-@jax.jit
-def dissipation(N, T, M, capacity, length, friction, hardening, beta, psi, dilatancy):
-    """Power of the visco-plastic element, and the sum of its terms' magnitudes."""
-    soil = dataclasses.replace(Soil(), psi=psi, dilatancy=dilatancy, beta=beta)
-    load = loading_surface(
-        N / capacity, T / (friction * capacity), M / (psi * length * capacity), beta
-    )
-    flow = flow_rate(load, hardening, length, friction, soil)
-    terms = jnp.stack([N * flow.normal, T * flow.tangential, M * flow.rotational])
-    return jnp.sum(terms), jnp.sum(jnp.abs(terms))
-
-
-@given(
-    N=st.floats(0.0, 1e8),
-    T=st.floats(-1e8, 1e8),
-    M=st.floats(-1e8, 1e8),
-    capacity=st.floats(1e-3, 1e9),
-    length=st.floats(1e-6, 10.0),
-    friction=st.floats(0.3, 2.0),
-    hardening=st.floats(0.01, 1.0),
-    beta=st.floats(0.3, 1.9),
-    psi=st.floats(0.1, 1.0),
-    dilatancy=st.floats(0.0, 1.0),
-)
-def test_dissipation_is_never_negative(**arguments):
-    power, magnitude = dissipation(*arguments.values())
-    if arguments["N"] > 1e-20 or arguments["N"] == 0.0:
-        assert np.isfinite(power)
-        # Terms of either sign cancel to rounding.
-        assert power >= -1e-12 * magnitude
 
 
 # Hardening
@@ -480,10 +417,11 @@ def test_every_law_can_be_replaced_and_is_used(slot):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("orientation", [0.0, 0.4, 0.5 * math.pi])
-@pytest.mark.parametrize("aspect_ratio", [1.0, 2.0])
+@pytest.mark.parametrize(
+    ("aspect_ratio", "orientation"), [(1.0, 0.0), (2.0, 0.0), (2.0, 0.4)]
+)
 def test_contact_is_finite_with_its_gradients_at_every_singular_state(
-    orientation, aspect_ratio
+    aspect_ratio, orientation
 ):
     scene = Scene(
         Block(aspect_ratio=aspect_ratio), Soil(), Impact(orientation=orientation)

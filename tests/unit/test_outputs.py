@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pytest
 from error_messages import assert_one_line_error
+from paths import HELPERS, ROOT
 
 from jaximpact import file_locks
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.io import files as lock
+from jaximpact.io import files
 from jaximpact.io.output_files import MARK, output_directory
 
 SCENES = "mass_kg\n100\n"
@@ -190,14 +191,14 @@ def test_a_lock_in_place_of_what_is_none(folder, capsys, command, file, make):
 def test_what_is_no_file_is_not_replaced_from_python_either(folder):
     os.mkfifo("pipe")
     with pytest.raises(InputError, match="must be a file"):
-        lock.write_text(folder / "pipe", "text")
+        files.write_text(folder / "pipe", "text")
     assert (folder / "pipe").is_fifo()
 
 
 def test_a_link_to_what_is_not_there_is_followed(folder):
     """The format is that of the name that was given."""
     (folder / "p.png").symlink_to("drawing")
-    with lock.replacing(folder / "p.png") as temporary:
+    with files.replacing(folder / "p.png") as temporary:
         assert temporary.suffix == ".png"
         temporary.write_text("drawn")
     assert (folder / "p.png").is_symlink()
@@ -284,7 +285,7 @@ def test_a_file_is_written_over_no_results_of_a_directory(folder, capsys):
 )
 def test_a_second_process_is_refused(folder, capsys, command, output):
     before = everything(folder)
-    with lock.locked(Path(output)):
+    with files.locked(Path(output)):
         assert main(command.split()) == 1
     assert_one_line_error(
         capsys, "is being written by another jaximpact", f"(process {os.getpid()})"
@@ -292,29 +293,65 @@ def test_a_second_process_is_refused(folder, capsys, command, output):
     assert everything(folder) == before
 
 
-HOLD = """\
-import fcntl, os, sys, time
-file = os.open(sys.argv[1], os.O_RDWR | os.O_CREAT)
-fcntl.flock(file, fcntl.LOCK_EX)
-os.write(file, b"77")
-print(flush=True)
-time.sleep(600)
+HOLD = """
+import sys, time
+{before}
+from pathlib import Path
+from jaximpact.io.files import locked
+with locked(Path(sys.argv[1])):
+    print(flush=True)
+    time.sleep(float(sys.argv[2]))
 """
 
 
-def test_the_lock_of_a_killed_process_is_none(tmp_path):
-    file = tmp_path / ".jaximpact-lock"
-    holder = subprocess.Popen(
-        [sys.executable, "-c", HOLD, str(file)], stdout=subprocess.PIPE
-    )
-    holder.stdout.readline()
-    with pytest.raises(BlockingIOError, match=r"process 77"):
-        write(tmp_path, "report.txt")
+@pytest.fixture(params=["POSIX", "Windows"])
+def hold(request, monkeypatch):
+    """Function that has another process hold the lock of a path, for some seconds. Both
+    processes lock as POSIX or as Windows does."""
+    script, running = HOLD.format(before=""), []
+    if request.param == "Windows":
+        import windows_locks
+
+        monkeypatch.setattr(file_locks, "fcntl", None)
+        monkeypatch.setattr(file_locks, "msvcrt", windows_locks)
+        script = HOLD.format(before="import windows_locks")
+
+    def start(path, seconds):
+        environment = os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{HELPERS}"}
+        command = [sys.executable, "-c", script, str(path), str(seconds)]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, env=environment)
+        running.append(process)
+        process.stdout.readline()
+        return process
+
+    yield start
+    for process in running:
+        process.kill()
+        process.communicate()
+
+
+def test_the_lock_of_a_killed_process_is_none(hold, tmp_path):
+    path = tmp_path / "results.csv"
+    holder = hold(path, 60)
+    with (
+        pytest.raises(BlockingIOError, match=rf"process {holder.pid}\); wait for it"),
+        files.locked(path),
+    ):
+        pytest.fail("locked twice")
     holder.kill()
-    holder.communicate()
-    assert file.exists()
-    write(tmp_path, "report.txt")
-    assert names_in(tmp_path) == {"report.txt"}
+    holder.wait()
+    with files.locked(path):
+        pass
+    assert not [*tmp_path.iterdir()]
+
+
+def test_who_waits_has_the_lock_when_the_other_ends(hold, tmp_path):
+    path = tmp_path / "results.csv"
+    holder = hold(path, 0.3)
+    descriptor = os.open(tmp_path / f".results.csv.{files.LOCK_SUFFIX}", os.O_RDWR)
+    file_locks.lock(descriptor, wait=True)
+    assert holder.wait(60) == 0
+    os.close(descriptor)
 
 
 def no_locks(*arguments):
@@ -327,7 +364,7 @@ def test_where_there_are_no_locks_nothing_is_locked(tmp_path, monkeypatch, witho
         monkeypatch.setattr(file_locks, "fcntl", None)
     else:
         monkeypatch.setattr(file_locks.fcntl, "flock", no_locks)
-    with lock.locked(tmp_path):
+    with files.locked(tmp_path):
         write(tmp_path, "report.txt")
     assert names_in(tmp_path) == {"report.txt"}
 
@@ -349,3 +386,9 @@ def test_a_file_that_another_program_has_open_is_told_beforehand(
     assert main(["batch", "s.csv", "--out", "r.csv"]) == 2
     assert_one_line_error(capsys, "--out r.csv cannot be written: Access is denied")
     assert everything(folder) == before
+
+
+def test_a_system_without_locks_says_so(monkeypatch, tmp_path):
+    monkeypatch.setattr(file_locks, "fcntl", None)
+    with open(tmp_path / "file", "w") as file, pytest.raises(OSError, match="no locks"):
+        file_locks.lock(file.fileno(), wait=True)

@@ -1,5 +1,7 @@
 """Rodas5P: order, stability, exact derivatives of the discrete step, linear algebra."""
 
+from typing import NamedTuple
+
 import diffrax
 import jax
 import jax.numpy as jnp
@@ -12,7 +14,9 @@ from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.impact.dynamics import Motion
 from jaximpact.impact.problem import Assembly, jacobian_pattern, pose
 from jaximpact.impact.reduced_models import PLANAR
+from jaximpact.integrator.error_control import ErrorControl
 from jaximpact.integrator.rosenbrock import (
+    ORDER,
     DenseOutput,
     dense_output,
     factorise,
@@ -180,16 +184,6 @@ def test_step_of_no_width_leaves_the_state_and_has_finite_gradients():
     assert np.all(np.isfinite(of_middle))
 
 
-def test_finished_lanes_do_not_disturb_the_others():
-    states = jnp.stack([START, START, 2.0 * START], axis=1)
-    widths = jnp.asarray([0.0, 0.2, 0.1])
-    together = rodas5p_step(pendulum, states, widths, FULL)[0]
-    for lane in range(3):
-        alone = rodas5p_step(pendulum, states[:, lane], widths[lane], FULL)[0]
-        # Sums of eight terms may be ordered otherwise.
-        np.testing.assert_allclose(together[:, lane], alone, rtol=1e-13)
-
-
 def test_derivative_of_a_step_is_that_of_its_arithmetic():
     def state_after(y0, width):
         return rodas5p_step(pendulum, y0, width, FULL)[0]
@@ -286,3 +280,55 @@ def test_pattern_covers_the_jacobian_and_no_more():
         assert np.all(jacobians[:, ~pattern] == 0.0)
         reached |= np.any(jacobians != 0.0, axis=0)
     np.testing.assert_array_equal(reached, pattern)
+
+
+# --- widths of steps from their errors
+
+
+class Errors(NamedTuple):
+    """Errors of unknowns in units of what is allowed."""
+
+    vector: jax.Array
+
+
+def after_step(error, error_before=1.0, width=2.0):
+    """Whether the step from 3 is kept, begin and width of the next, and the error to
+    remember."""
+    keep, begin, end, _, remembered, _ = ErrorControl().adapt_step_size(
+        *(jnp.asarray(3.0), jnp.asarray(3.0 + width), None, None, None),
+        Errors(jnp.asarray([error, -error])),
+        ORDER,
+        jnp.asarray(error_before),
+    )
+    return bool(keep), float(begin), float(end - begin), float(remembered)
+
+
+@pytest.mark.parametrize("error", [0.01, 0.3, 0.999])
+def test_the_next_width_follows_from_two_errors(error):
+    keep, begin, width, remembered = after_step(error, 0.5)
+    assert (keep, begin) == (True, 5.0)
+    expected = 0.85 * error**-0.2 * 0.5**0.02
+    np.testing.assert_allclose(width, 2.0 * expected, rtol=1e-14)
+    np.testing.assert_allclose(remembered, error, rtol=1e-15)
+
+
+def test_a_step_that_is_almost_too_long_is_kept_and_the_next_one_is_shorter():
+    keep, _, width, _ = after_step(0.9)
+    assert keep
+    assert width < 2.0
+
+
+@pytest.mark.parametrize("error", [1.0, 1.2, 1e6])
+def test_a_step_that_is_too_long_is_taken_again_shorter(error):
+    keep, begin, width, remembered = after_step(error, 1e-4)
+    assert (keep, begin, remembered) == (False, 3.0, 1e-4)
+    rounding = 1e-12
+    assert 0.2 * 2.0 - rounding < width < 0.85 * 2.0 + rounding
+
+
+def test_a_width_grows_tenfold_at_most():
+    keep, _, width, remembered = after_step(0.0)
+    assert keep
+    # 0.85 of the factor that the least error counted allows
+    np.testing.assert_allclose(width, 2.0 * 8.5, rtol=1e-12)
+    assert remembered > 0.0

@@ -7,13 +7,17 @@ import gc
 import json
 import math
 import os
+import sys
 
 import numpy as np
+import pandas as pd
 import pytest
+from error_messages import assert_one_line_error
 
-from jaximpact import PRESETS, Block, Impact, Outcome, Soil
+from jaximpact import PRESETS, Block, Impact, Outcome, Soil, simulate_batch
+from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.io.files import check_writable, replacing
+from jaximpact.io.files import replacing
 from jaximpact.io.output_files import manifest_path
 from jaximpact.io.result_table import count_outcomes, write_results
 from jaximpact.io.scene_table import SIGMA_COLUMNS, SLICE_ROWS, read_table
@@ -119,13 +123,6 @@ def test_a_bad_cell_deep_in_the_table_is_found(table_of):
         table_of("mass_kg\n" + "\n".join(rows))
 
 
-def test_a_file_that_cannot_be_read_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"none\.csv: cannot be read: No such file"):
-        read_table(tmp_path / "none.csv")
-    with pytest.raises(InputError, match="cannot be read: Is a directory"):
-        read_table(tmp_path)
-
-
 @pytest.mark.parametrize("mass", [1.0, -1.0])
 def test_the_collector_runs_again_after_a_table_is_read_or_refused(table_of, mass):
     with contextlib.suppress(InputError):
@@ -211,22 +208,6 @@ def test_outcomes_are_counted():
     assert count_outcomes(result) == {"detached": 2, "in contact": 1, "failed": 1}
 
 
-@pytest.mark.parametrize("error", [OSError, KeyboardInterrupt])
-def test_an_interrupted_file_leaves_the_old_one_and_nothing_else(tmp_path, error):
-    path = tmp_path / "results.csv"
-    path.write_text("old")
-
-    def interrupted():
-        with replacing(path) as temporary:
-            temporary.write_text("half of")
-            raise error
-
-    with pytest.raises(error):
-        interrupted()
-    assert path.read_text() == "old"
-    assert os.listdir(tmp_path) == ["results.csv"]
-
-
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="Linux has a full disk")
 def test_a_full_disk_is_told_with_the_file(tmp_path):
     def write_to_full_disk():
@@ -238,14 +219,53 @@ def test_a_full_disk_is_told_with_the_file(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_targets_that_cannot_be_written_are_found_out_beforehand(tmp_path):
-    check_writable(tmp_path / "fine.csv", option="--out")
-    assert os.listdir(tmp_path) == []
-    for path, reason in (
-        (tmp_path, "something else"),
-        (os.devnull, "something else"),
-        (tmp_path / "none" / "results.csv", "existing directory"),
-        (tmp_path / ("x" * 300), "cannot be written"),
-    ):
-        with pytest.raises(InputError, match=reason):
-            check_writable(path, option="--out")
+# --- Parquet
+
+
+@pytest.fixture
+def frame():
+    draw = np.random.default_rng(3)
+    return pd.DataFrame(
+        {
+            "name": [f"a, {i}" for i in range(9)],
+            "mass_kg": draw.uniform(20.0, 90.0, 9),
+            "angle_deg": draw.uniform(0.0, 80.0, 9),
+        }
+    )
+
+
+def test_a_table_in_parquet_is_the_csv(frame, tmp_path):
+    frame.to_parquet(tmp_path / "scenes.parquet")
+    frame.to_csv(tmp_path / "scenes.csv", index=False)
+    tables = [read_table(tmp_path / f"scenes.{kind}") for kind in ("parquet", "csv")]
+    assert tables[0].rows == tables[1].rows
+    result = simulate_batch(tables[0].scene())
+    out = tmp_path / "results.parquet"
+    write_results(out, tables[0], result, result.accuracy)
+    received = pd.read_parquet(out)
+    for name in frame:
+        assert received[name].tolist() == frame[name].tolist()
+    assert received.e_n.to_numpy().tobytes() == np.asarray(result.e_n).tobytes()
+    assert set(received.outcome) == {"detached"}
+    assert (tmp_path / "results.parquet.manifest.json").exists()
+
+
+def test_bad_values_are_told_as_of_a_csv(frame, tmp_path):
+    frame.loc[4, "angle_deg"] = 95.0
+    frame.to_parquet(tmp_path / "scenes.parquet")
+    with pytest.raises(InputError, match="row 6, column angle_deg: must be in"):
+        read_table(tmp_path / "scenes.parquet")
+
+
+def test_what_is_no_parquet_is_refused(tmp_path):
+    (tmp_path / "scenes.parquet").write_text("mass_kg\n1\n")
+    with pytest.raises(InputError, match="is no table in Parquet"):
+        read_table(tmp_path / "scenes.parquet")
+
+
+def test_without_pyarrow_nothing_is_computed_first(frame, folder, monkeypatch, capsys):
+    frame.to_csv("scenes.csv", index=False)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    assert main(["batch", "scenes.csv", "--out", "results.parquet"]) == 2
+    assert_one_line_error(capsys, "--out results.parquet needs the package pyarrow")
+    assert [path.name for path in folder.iterdir()] == ["scenes.csv"]

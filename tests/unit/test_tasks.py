@@ -12,7 +12,7 @@ import pytest
 
 from jaximpact import Block, Impact, Soil, simulate_batch, tasks
 from jaximpact.backend.threads import thread_count
-from jaximpact.errors import IncompleteError, InputError, NoWorkersWarning
+from jaximpact.errors import IncompleteError, InputError
 from jaximpact.progress import tell
 from jaximpact.tasks import (
     WAITING,
@@ -82,27 +82,6 @@ def test_results_come_with_their_places_and_few_tasks_wait():
 def test_an_error_of_a_task_ends_the_work():
     with ThreadPoolExecutor(1) as pool, pytest.raises(ZeroDivisionError):
         run_tasks(pool, [lambda: 1, lambda: 1 // 0], lambda *_: None)
-
-
-class Executor(ThreadPoolExecutor):
-    """Threads as workers of a client of Dask, which has none left."""
-
-    @property
-    def _client(self):
-        return self
-
-    def nthreads(self):
-        return {}
-
-
-def test_a_client_without_workers_is_told_once(monkeypatch):
-    monkeypatch.setattr(tasks, "WORKERLESS", 0.02)
-    monkeypatch.setattr(tasks, "POLL", 0.01)
-    last = threading.Event()
-    threading.Timer(0.5, last.set).start()
-    with Executor(1) as pool, pytest.warns(NoWorkersWarning, match="no workers") as got:
-        run_tasks(pool, [last.wait], lambda *_: None)
-    assert len(got) == 1
 
 
 def test_results_of_threads_stand_in_the_order_of_the_items():

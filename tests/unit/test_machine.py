@@ -1,12 +1,15 @@
-"""How many threads may compute: what the environment says and the system grants."""
+"""What the machine grants: how many threads may compute, and how much memory."""
 
 import math
 import os
+import sys
 
+import psutil
 import pytest
 
 from jaximpact.backend import threads
 from jaximpact.errors import InputError
+from jaximpact.io import checks
 
 
 @pytest.mark.parametrize("stated", ["x", "", "0", "-1", "1.5"])
@@ -71,3 +74,31 @@ def test_control_groups(tmp_path, own, files, granted):
         (groups / name).parent.mkdir(parents=True, exist_ok=True)
         (groups / name).write_text(text)
     assert threads._granted(groups, listed) == granted
+
+
+# --- memory
+
+
+def unknown(name):
+    raise ValueError("unrecognized configuration name")
+
+
+@pytest.mark.parametrize("sysconf", [None, unknown], ids=["no", "knows nothing"])
+def test_psutil_tells_the_memory_where_the_system_does_not(monkeypatch, sysconf):
+    if sysconf is None:
+        monkeypatch.delattr(os, "sysconf")
+    else:
+        monkeypatch.setattr(os, "sysconf", sysconf)
+    assert checks._memory() == psutil.virtual_memory().total
+    # The system counts whole pages, psutil whole KiB.
+    assert checks._memory() == pytest.approx(checks.MEMORY, rel=1e-5)
+
+
+def test_where_nothing_tells_nothing_is_refused(monkeypatch):
+    with pytest.raises(InputError, match="this machine has"):
+        checks.check_memory(1e15, "so many impacts")
+    monkeypatch.delattr(os, "sysconf")
+    monkeypatch.setitem(sys.modules, "psutil", None)
+    monkeypatch.setattr(checks, "MEMORY", checks._memory())
+    assert math.isinf(checks.MEMORY)
+    checks.check_memory(1e15, "so many impacts")
