@@ -32,7 +32,7 @@ def main(started: str, path: str) -> None:
     counts, run = [], ImpactProgram.run
 
     def counted(program, rows, accuracy, *, derivatives):
-        counts.append(len(rows.own))
+        counts.append(len(rows.unknowns))
         return run(program, rows, accuracy, derivatives=derivatives)
 
     ImpactProgram.run = counted

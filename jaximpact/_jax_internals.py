@@ -39,7 +39,7 @@ def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     varying = frozenset().union(*axes)
     if not varying:
         return [jax.ShapeDtypeStruct(shape, jnp.float64) for shape in shapes]
-    mesh = next(t for t, own in zip(types, axes, strict=True) if own).sharding.mesh
+    mesh = next(t for t, here in zip(types, axes, strict=True) if here).sharding.mesh
     said: dict[str, Any] = {"sharding": NamedSharding(mesh, PartitionSpec())}
     if kinds[0] is None:
         said["vma"] = varying

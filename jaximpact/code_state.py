@@ -292,8 +292,8 @@ class _Walker:
         self.add("object", f"{kind.__module__}.{kind.__qualname__}")
         if dataclasses.is_dataclass(kind):
             names = {field.name for field in dataclasses.fields(kind)}
-            own = {name: getattr(value, name, None) for name in names}
-            self.visit(_attributes(value) | own)
+            attributes = {name: getattr(value, name, None) for name in names}
+            self.visit(_attributes(value) | attributes)
             return
         stream = io.BytesIO()
         pickler = _Pickler(stream, self)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
         __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
 
-        def __init__(self, *given: Any, **named: Any) -> None: ...
+        def __init__(self, *values: Any, **named: Any) -> None: ...
 else:
     Module = eqx.Module
 
@@ -236,7 +236,7 @@ class Part(Module):
         super().__init_subclass__(**arguments)
         _add_table(cls)
 
-    def __new__(cls, *given, **named):
+    def __new__(cls, *values, **named):
         names = _names(cls)
         for name in named:
             if name not in names:
@@ -245,7 +245,7 @@ class Part(Module):
                 )
                 raise TypeError(f"{cls.__name__} has no field {name!r}; {hint}")
         # More than there are fields: Python itself complains.
-        for name, value in (*zip(names, given, strict=False), *named.items()):
+        for name, value in (*zip(names, values, strict=False), *named.items()):
             if name in _numeric(cls):
                 _check(cls, name, value)
         return super().__new__(cls)
@@ -309,15 +309,15 @@ class Composite(Module):
         super().__init_subclass__(**arguments)
         _add_table(cls)
 
-    def __init__(self, *given, **named):
+    def __init__(self, *values, **named):
         kind = type(self)
         fields = {field.name: field for field in dataclasses.fields(kind)}
-        if len(given) > len(fields):
+        if len(values) > len(fields):
             raise TypeError(
-                f"{kind.__name__} takes at most {len(fields)} values, but {len(given)} "
-                "were given"
+                f"{kind.__name__} takes at most {len(fields)} values, but "
+                f"{len(values)} were given"
             )
-        named = dict(zip(fields, given, strict=False)) | named
+        named = dict(zip(fields, values, strict=False)) | named
         owner: dict[str, str] = {}
         for slot, base in parts_of(kind).items():
             given_part = named.pop(slot, None)
@@ -454,9 +454,9 @@ def _unusual_parts(whole: Composite) -> str:
     message."""
     kind = type(whole)
     others = [
-        f"{slot} {type(held).__name__}"
+        f"{slot} {type(part).__name__}"
         for slot in parts_of(kind)
-        if type(held := vars(whole)[slot]) is not default_part(kind, slot)
+        if type(part := vars(whole)[slot]) is not default_part(kind, slot)
     ]
     return f" with {' and '.join(others)}" if others else ""
 

@@ -150,8 +150,8 @@ def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis
         raise InputError("a sweep needs at least one axis, but got none")
     columns = columns_of_axes(axes, base)
     grid, seen = [], {}
-    for name, given in axes.items():
-        axis = _checked_axis(name, given, columns)
+    for name, values in axes.items():
+        axis = _checked_axis(name, values, columns)
         for quantity in axis.values:
             if quantity in seen:
                 raise InputError(

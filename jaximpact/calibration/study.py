@@ -153,7 +153,7 @@ def _profiled(
     fit from there, and do it again."""
     objective, best, judged = judge_lowest(objective, best)
     profiles = _profiles(judged, best)
-    lowest = min(profiles, key=lambda found: found.lowest_cost)
+    lowest = min(profiles, key=lambda profile: profile.lowest_cost)
     below = _below(objective, lowest.best_cost)
     if judged.smooth is not objective or lowest.lowest_cost >= below:
         return objective, best, judged, profiles

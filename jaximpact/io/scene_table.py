@@ -89,10 +89,10 @@ class SceneTable:
         values = {}
         for name, column in columns_of(self.base).items():
             if name in self.numbers:
-                given = self.numbers[name]
-                if np.any(missing := np.isnan(given)):
-                    given = np.where(missing, value_of(self.base, column), given)
-                values[name] = given
+                of_rows = self.numbers[name]
+                if np.any(missing := np.isnan(of_rows)):
+                    of_rows = np.where(missing, value_of(self.base, column), of_rows)
+                values[name] = of_rows
             elif name == "mass_kg":
                 values[name] = np.full(len(self.rows), value_of(self.base, column))
         return scene_with(self.base, values)

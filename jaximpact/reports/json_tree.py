@@ -37,4 +37,4 @@ def json_text(tree: object) -> str:
     """Write a tree, each list of numbers, thousands of them, in one line."""
     text = json.dumps(plain(tree), indent=1, allow_nan=False)
     # A line end within brackets stands in no string, where it would be escaped.
-    return NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", text) + "\n"
+    return NUMBERS.sub(lambda match: f"[{' '.join(match[1].split())}]", text) + "\n"

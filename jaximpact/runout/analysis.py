@@ -121,7 +121,7 @@ def _passage(
 
 
 @numpy_settings()
-def first_passages(found: Passages, blocks: int) -> tuple[np.ndarray, Passages]:
+def first_passages(every: Passages, blocks: int) -> tuple[np.ndarray, Passages]:
     """Count the passages of each block, and choose the first.
 
     Args:
@@ -132,15 +132,15 @@ def first_passages(found: Passages, blocks: int) -> tuple[np.ndarray, Passages]:
         Counts and first passages, arrays `(blocks,)`; NaN for a block that does not
         pass.
     """
-    count = np.bincount(found.trajectory, minlength=blocks)
-    passing, first = np.unique(found.trajectory, return_index=True)
+    count = np.bincount(every.trajectory, minlength=blocks)
+    passing, first = np.unique(every.trajectory, return_index=True)
 
     def spread(column: np.ndarray) -> np.ndarray:
         values = np.full(blocks, np.nan)
         values[passing] = column[first]
         return values
 
-    spread_out = (spread(column) for column in found[1:])
+    spread_out = (spread(column) for column in every[1:])
     return count, Passages(np.arange(blocks), *spread_out)
 
 

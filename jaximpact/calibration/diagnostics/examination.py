@@ -301,12 +301,12 @@ class _Misfit(NamedTuple):
     """Standard deviation of their errors, given or estimated."""
     least: float
     """Estimate below which there are no errors."""
-    given: bool
+    stated: bool
 
     @property
     def is_no_fit(self) -> bool:
         """Whether the mean of the measurements would fit them better."""
-        least = self.sigma if self.given else self.least
+        least = self.sigma if self.stated else self.least
         return self.rms > max(WORSE * self.of_mean, least)
 
 
@@ -322,8 +322,8 @@ def _misfit(result: StudyResult, variant: VariantResult, place: int) -> _Misfit 
     if study.proportional[place]:
         sigma = float(np.sqrt(np.mean(variant.sigma[exact, place] ** 2)))
     least = LEAST_PART * float(np.sqrt(np.mean(measured**2)))
-    given = bool(study.sigma_given[place])
-    return _Misfit(rms, float(np.std(measured)), sigma, least, given)
+    stated = bool(study.sigma_given[place])
+    return _Misfit(rms, float(np.std(measured)), sigma, least, stated)
 
 
 def not_described(result: StudyResult, variant: VariantResult) -> list[str]:
@@ -345,7 +345,7 @@ def _large_misfit(
             f"the standard deviation of the measurements {misfit.of_mean:.3g}. The "
             "model does not describe them, or inputs or units are wrong."
         ]
-    if not misfit.given and misfit.sigma > max(0.5 * misfit.of_mean, misfit.least):
+    if not misfit.stated and misfit.sigma > max(0.5 * misfit.of_mean, misfit.least):
         mean = " on average" if result.study.proportional[place] else ""
         return [
             f"The scatter estimated for {name}, {misfit.sigma:.3g}{mean}, is more than "

@@ -127,7 +127,7 @@ def is_abrupt(
         beyond: mask of the predictions that are looked at, shape (lanes, tests,
             targets).
     """
-    found = np.zeros_like(beyond)
+    jumps = np.zeros_like(beyond)
     for test, target in np.argwhere(np.any(beyond, axis=0)):
         part = objective.of_tests(np.array([test]))
         lanes = np.flatnonzero(beyond[:, test, target])
@@ -149,8 +149,8 @@ def is_abrupt(
             far = np.where(first[:, None], middle, far)
             of_near = np.where(first, of_near, of_middle)
             of_far = np.where(first, of_middle, of_far)
-        found[lanes, test, target] = _apart(of_near, of_far) > least
-    return found
+        jumps[lanes, test, target] = _apart(of_near, of_far) > least
+    return jumps
 
 
 def _apart(one: np.ndarray, other: np.ndarray) -> np.ndarray:

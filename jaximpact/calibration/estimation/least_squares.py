@@ -137,7 +137,7 @@ def _fit_one(
         room = INSIDE * (high - low)
         # Beside a jump derivatives may be so steep that the method overflows.
         with np.errstate(all="ignore"):
-            found = trust_region(
+            solution = trust_region(
                 at.residuals,
                 np.clip(start[free], low + room, high - room),
                 jac=at.jacobian,  # pyright: ignore[reportArgumentType]
@@ -148,15 +148,15 @@ def _fit_one(
                 max_nfev=tolerance.evaluations,
             )
         # The method stays off the bounds that it approaches.
-        x = np.where(found.active_mask < 0, low, found.x)
-        x = np.where(found.active_mask > 0, high, x)
-        inner, end = at(found.x), at(x)
+        x = np.where(solution.active_mask < 0, low, solution.x)
+        x = np.where(solution.active_mask > 0, high, x)
+        inner, end = at(solution.x), at(x)
         least = ENOUGH * tolerance.promise * float(objective.unit(inner.cost[0]))
         end = end if end.cost[0] <= inner.cost[0] + least else inner
         # A start at a bound is lower than what is inside where nothing moves it.
         points = end if end.cost[0] < points.cost[0] else points
-        steps += found.nfev
-        is_flat = found.status in (2, 4)
+        steps += solution.nfev
+        is_flat = solution.status in (2, 4)
         promise = _promise(objective, points, free)
     reason = Reason.stuck
     if promise <= tolerance.promise:
@@ -250,9 +250,9 @@ def bounded_step(
     room = [(end[free] - x[free]) * scale for end in (bounds.low, bounds.high)]
     # Where a bound is reached there is no room on one side; the solver wants some.
     low, high = np.minimum(room[0], -1e-300), np.maximum(room[1], 1e-300)
-    found = lsq_linear(rows, right, (low, high), method="bvls")
+    solution = lsq_linear(rows, right, (low, high), method="bvls")
     step[free] = np.clip(
-        found.x / scale, (bounds.low - x)[free], (bounds.high - x)[free]
+        solution.x / scale, (bounds.low - x)[free], (bounds.high - x)[free]
     )
     fall = -(gradient @ step + 0.5 * step @ hessian @ step)
     return step, max(float(fall), 0.0)

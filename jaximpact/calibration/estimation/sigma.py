@@ -90,8 +90,8 @@ def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
         points: a fit, of one lane.
     """
     exact = objective.study.exact & np.isfinite(points.predicted[0])
-    taken = np.where(exact, leverages(objective, points), 0.0)
-    return np.sum(exact, axis=0) - np.sum(taken, axis=0)
+    used_up = np.where(exact, leverages(objective, points), 0.0)
+    return np.sum(exact, axis=0) - np.sum(used_up, axis=0)
 
 
 def weights_of_cells(study: Study) -> np.ndarray:

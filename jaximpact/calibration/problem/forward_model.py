@@ -128,9 +128,13 @@ class ForwardModel:
     def predict(self, p: Array, accuracy: Accuracy) -> Array:
         """Predict all tests, shape (tests, targets), as a function of JAX of the
         unknowns, shape (unknowns,); NaN where there is no prediction."""
-        own, results = jnp.asarray(self.base) + p[self.unknown], []
+        unknowns, results = jnp.asarray(self.base) + p[self.unknown], []
         for program, places, leaves in self.impacts:
-            rows = own[places], jnp.asarray(leaves), jnp.asarray(self.times[places])
+            rows = (
+                unknowns[places],
+                jnp.asarray(leaves),
+                jnp.asarray(self.times[places]),
+            )
             results.append(program.results(*rows, accuracy)[0])
         return self._of_tests(jnp.concatenate(results))
 
@@ -160,12 +164,12 @@ class ForwardModel:
             (lanes, tests); and, if wanted, derivatives with respect to the unknowns of
             each test (`unknown`), shape (lanes, tests, targets, columns).
         """
-        own = self.base + p[:, self.unknown]
-        lanes, _, columns = own.shape
+        unknowns = self.base + p[:, self.unknown]
+        lanes, _, columns = unknowns.shape
         of_shapes = []
         for program, places, leaves in self.impacts:
             rows = ImpactRows(
-                own[:, places].reshape(-1, columns),
+                unknowns[:, places].reshape(-1, columns),
                 np.tile(leaves, (lanes, 1)),
                 np.tile(self.times[places], (lanes, 1)),
             )
@@ -217,11 +221,11 @@ def forward_models(
             leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(tree)])
             leaves_of.setdefault(structure, []).append(leaves)
             split[-1].append((structure, np.arange(len(first))[chosen], leaves))
-    own = [OwnColumn(c.name, known[c.name].factor, c.pooled) for c in columns]
+    set_columns = [OwnColumn(c.name, known[c.name].factor, c.pooled) for c in columns]
     tied = [(one, known[one.name].factor) for one in study.tied]
     programs = {
         structure: program_of(
-            structure, np.concatenate(leaves, axis=1), own, tied, response
+            structure, np.concatenate(leaves, axis=1), set_columns, tied, response
         )
         for structure, leaves in leaves_of.items()
     }

@@ -58,7 +58,7 @@ class OwnColumn(NamedTuple):
 class ImpactRows(NamedTuple):
     """What differs between impacts, an array each, impacts first."""
 
-    own: np.ndarray
+    unknowns: np.ndarray
     """Values of the unknowns that set a column, shape (impacts, columns)."""
     leaves: np.ndarray
     """Leaves that are no constants, shape (impacts, leaves)."""
@@ -108,7 +108,7 @@ class ImpactProgram:
         )
 
     def results(
-        self, own: Array, leaves: Array, times: Array, accuracy: Accuracy
+        self, unknowns: Array, leaves: Array, times: Array, accuracy: Accuracy
     ) -> tuple[Array, Array]:
         """Compute results (impacts, results) and codes of the outcomes (impacts,);
         arguments are those of `ImpactRows`."""
@@ -118,12 +118,12 @@ class ImpactProgram:
         fitted = {}
         for number, column in enumerate(self.columns):
             if column.pooled:
-                values[self.places[column.name]] *= jnp.exp(own[:, number])
+                values[self.places[column.name]] *= jnp.exp(unknowns[:, number])
                 continue
-            fitted[column.name] = own[:, number]
+            fitted[column.name] = unknowns[:, number]
             # A parameter of another shape changes nothing.
             if column.name in self.places:
-                values[self.places[column.name]] = column.factor * own[:, number]
+                values[self.places[column.name]] = column.factor * unknowns[:, number]
         for tied, factor in self.tied:
             values[self.places[tied.name]] = factor * tied.evaluate(fitted)
         tree = jax.tree.unflatten(self.structure, values)
@@ -131,16 +131,16 @@ class ImpactProgram:
         return jnp.concatenate(results, axis=1), outcome
 
     def derivatives(
-        self, own: Array, leaves: Array, times: Array, accuracy: Accuracy
+        self, unknowns: Array, leaves: Array, times: Array, accuracy: Accuracy
     ) -> tuple[Array, Array, Array]:
         """Compute as `results`, and the derivatives of each result with respect to the
         unknowns of its impact, shape (impacts, results, columns)."""
 
-        def of_own(own):
-            return self.results(own, leaves, times, accuracy)
+        def of_unknowns(unknowns):
+            return self.results(unknowns, leaves, times, accuracy)
 
-        results, along, outcome = jax.linearize(of_own, own, has_aux=True)
-        columns = jnp.eye(own.shape[1])[:, None] * jnp.ones_like(own)
+        results, along, outcome = jax.linearize(of_unknowns, unknowns, has_aux=True)
+        columns = jnp.eye(unknowns.shape[1])[:, None] * jnp.ones_like(unknowns)
         return results, outcome, jax.vmap(along, out_axes=2)(columns)
 
     def run(
@@ -151,9 +151,9 @@ class ImpactProgram:
         sizes = SIZES[:1] if self.in_xla else SIZES
         compiled = self._of(accuracy, derivatives)
         parts = []
-        for first in range(0, len(rows.own), sizes[-1]):
+        for first in range(0, len(rows.unknowns), sizes[-1]):
             part = ImpactRows(*(values[first : first + sizes[-1]] for values in rows))
-            count = len(part.own)
+            count = len(part.unknowns)
             size = next(size for size in sizes if size >= count)
             arrays = compiled(*self._filled(part, size))
             parts.append([np.asarray(values)[:count] for values in arrays])
@@ -161,14 +161,14 @@ class ImpactProgram:
 
     def _filled(self, rows: ImpactRows, size: int) -> ImpactRows:
         """Append impacts without speed; in XLA, where these take long, others again."""
-        count = len(rows.own)
+        count = len(rows.unknowns)
         filled = ImpactRows(
             *(np.resize(values, (size, *values.shape[1:])) for values in rows)
         )
         if self.in_xla:
             return filled
         speed = [column.name == "speed_mps" for column in self.columns]
-        filled.own[count:, speed] = 0.0
+        filled.unknowns[count:, speed] = 0.0
         filled.leaves[count:, self.varied == self.places["speed_mps"]] = 0.0
         return filled
 
