@@ -112,8 +112,6 @@ class Bands(NamedTuple):
     high: np.ndarray
     measured_low: np.ndarray
     measured_high: np.ndarray
-    failed_fraction: np.ndarray
-    """Weight of the draws without a prediction."""
 
 
 def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
@@ -141,8 +139,7 @@ def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
     ]
     for row in rows[3:]:
         row[:, positive] = np.exp(row[:, positive])
-    rows = [np.where(total > 0.0, row, np.nan) for row in rows]
-    return Bands(*rows, failed_fraction=np.clip(1.0 - total, 0.0, 1.0))
+    return Bands(*(np.where(total > 0.0, row, np.nan) for row in rows))
 
 
 def _quantile(values, weights, sigma, part: float) -> np.ndarray:
