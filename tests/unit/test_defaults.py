@@ -46,7 +46,7 @@ def test_a_ground_is_as_rough_and_rolls_as_a_profile_does():
             f"and roughness_deg {ANGLE_COLUMNS['roughness_deg'].default:g}",
         ),
         (runout.STUDY, "seed of the random numbers (default: 0)"),
-        (calibrate.DESCRIPTION, f"from where (default: {STARTS}, 0)"),
+        (calibrate.DESCRIPTION, f"random numbers (default: {STARTS}, 0)"),
         (calibrate.DESCRIPTION, f"reference (default: {ACCURACY})"),
         (tabulate.DESCRIPTION, f"total_speeds_mps = {[0.1, 120]}"),
         (
