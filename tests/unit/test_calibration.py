@@ -377,6 +377,27 @@ def test_a_search_passes_local_minima(rows):
     np.testing.assert_allclose(population.x[0], x[0], atol=0.3)
 
 
+def test_the_lowest_end_has_derivatives(monkeypatch):
+    """Where the first one that is fitted to the end ends above another."""
+    objective = Linear(linear_study(3, sigma=0.1), matrix=np.eye(3)[:, :2])
+    x = np.array([[0.1, 0.0], [0.9, 0.0]])
+    population = Population(x, np.zeros(2), unit=1.0)
+    begun = []
+
+    def refine(objective, x, others):
+        begun.append(x)
+        points = objective((x + (0.5 if len(begun) == 1 else 0.0))[None])
+        return Fits(points, [Reason.converged], np.ones(1, int))
+
+    module = "jaximpact.calibration.estimation.search"
+    monkeypatch.setattr(f"{module}.search", lambda objective, members: population)
+    monkeypatch.setattr(f"{module}.refine", refine)
+    monkeypatch.setattr(Objective, "rough", lambda objective: objective)
+    fits, _ = fit_places(objective)
+    assert len(begun) == 2
+    assert np.any(fits.points.jacobian[fits.best])
+
+
 class Jumping(Linear):
     """Linear but for the first test, whose prediction jumps where x_0 + x_1 > 1."""
 

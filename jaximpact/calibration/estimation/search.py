@@ -63,10 +63,15 @@ def fit_places(objective: Objective) -> tuple[Fits, Population | None]:
     with within("best places, "):
         ends = fit(rough, places, method=study.method, tolerance=ROUGH)
     ends = ends._replace(points=objective.values(ends.points.x))
-    best = ends.best
-    end = refine(objective, ends.points.x[best], np.delete(ends.points.x, best, axis=0))
-    end = end._replace(steps=end.steps + ends.steps[best])
-    return with_end(ends, best, end), population
+    refined: set[int] = set()
+    # At the end of one another may be lower: the best one has derivatives in any case.
+    while (best := ends.best) not in refined:
+        others = np.delete(ends.points.x, best, axis=0)
+        end = refine(objective, ends.points.x[best], others)
+        end = end._replace(steps=end.steps + ends.steps[best])
+        ends = with_end(ends, best, end)
+        refined.add(best)
+    return ends, population
 
 
 def some_tests(study: Study) -> np.ndarray:
@@ -99,6 +104,7 @@ def refine(
         end = fits if coarse is objective else fit(objective, fits.points.x)
         if end.reasons[0].at_minimum:
             return end._replace(steps=end.steps + fits.steps)
+    others = x[None] if others is None else np.concatenate([x[None], others])
     return fit_beside_jump(objective, fits, others)
 
 
@@ -117,7 +123,7 @@ def fit_beside_jump(
     others = points.x if others is None else np.concatenate([points.x, others])
     about = np.concatenate([others, draws])
     population = search_about(coarse, about)
-    x = np.concatenate([fits.points.x, population.x[:PLACES]])
+    x = np.concatenate([others, population.x[:PLACES]])
     lowest = objective.values(x)
     lowest = lowest.take([np.argmin(lowest.cost)])
     if lowest.cost[0] > population.cost[0] + objective.unit(population.cost[0]):
