@@ -40,13 +40,12 @@ def main() -> None:
     options.add_engine(parser)
     arguments = parser.parse_args()
     print("twin        sigmas     parameter  covered  median error  median interval")
-    engine = None
     chosen = [arguments.twin] if arguments.twin else make.TWINS
     with options.engine_of(arguments) as executor, computing(executor=executor):
         for name in chosen:
             study = read_study(FOLDER / name / "study.toml")
             study = dataclasses.replace(study, starts=arguments.starts)
-            engine = engine or models_of(study)[0]
+            model = models_of(study)[0]
             sigma = make.NOISE * np.where(study.known, np.abs(study.measured), 1.0)
             for stated in (True, False):
                 if arguments.sigmas not in (None, "stated" if stated else "estimated"):
@@ -62,7 +61,7 @@ def main() -> None:
                     )
                     for seed in range(1, arguments.repeats + 1)
                 )
-                objectives = ((Objective(s, s.variants[0], engine),) for s in studies)
+                objectives = ((Objective(s, s.variants[0], model),) for s in studies)
                 call_each(_repeat, objectives, rows.__setitem__)
                 seconds = time.perf_counter() - begin
                 in_order = [rows[place] for place in sorted(rows)]

@@ -101,7 +101,6 @@ def repeat(
         kept = (json.loads(line) for line in keep.read_text().splitlines())
         rows = {(row["twin"], row["number"]): row for row in kept}
     made = [Twin(seed) for seed in range(1, twins + 1)]
-    engine = models_of(made[0].study(0))[0]
     every = itertools.product(range(1, repeats + 1), range(1, twins + 1))
     missing = [(seed, number) for number, seed in every if (seed, number) not in rows]
 
@@ -112,7 +111,7 @@ def repeat(
             with keep.open("a") as file:
                 file.write(json.dumps(row) + "\n")
 
-    work = ((made[seed - 1], engine, number) for seed, number in missing)
+    work = ((made[seed - 1], number) for seed, number in missing)
     with computing(executor=executor):
         call_each(_repeated, work, take)
     _summarise(list(rows.values()))
@@ -184,11 +183,11 @@ def _compared(rows: list[dict]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.abs(x - true) <= reach, errors, x - true
 
 
-def _repeated(twin: Twin, engine, number: int) -> dict:
+def _repeated(twin: Twin, number: int) -> dict:
     """Fit one repeat from the truth: estimate, reach, standard errors and truth in x,
     the number of tests near a jump, whether it is a minimum, its processor time."""
     begin, study = time.process_time(), twin.study(1000 + number)
-    objective = Objective(study, study.variants[0], engine)
+    objective = Objective(study, study.variants[0], models_of(study)[0])
     true = objective.bounds.coordinate(np.array(list(twin.truth.values())))
     best = refine(objective, true)
     if best.reasons[0] is not Reason.converged:

@@ -37,7 +37,7 @@ def main() -> None:
     arguments = parser.parse_args()
     targets, begin = arguments.targets.split(","), time.perf_counter()
     kinds = *noises, "stated"
-    engine, rows, parts, skipped = None, {kind: [] for kind in kinds}, [], 0
+    rows, parts, skipped = {kind: [] for kind in kinds}, [], 0
     for seed in range(arguments.first, arguments.first + arguments.campaigns):
         random = np.random.default_rng(seed)
         columns, truth = _impacts(random, targets, arguments.spread)
@@ -48,8 +48,7 @@ def main() -> None:
         found = {}
         for kind in kinds:
             study = _study(columns, measured, targets, kind, arguments.starts)
-            engine = engine or _engine(study)
-            found[kind] = _fit_and_predict(study, engine, columns, measured, targets)
+            found[kind] = _fit_and_predict(study, columns, measured, targets)
         if any(one is None for one in found.values()):
             skipped += 1
             continue
@@ -99,13 +98,13 @@ def _impacts(random, targets, spread):
     columns["angle_deg"] = random.uniform(*ANGLES, count)
     nothing = columns | {name: np.ones(count) for name in targets}
     study = study_of(joined_tables((table_given(nothing),)), {})
-    objective = Objective(study, study.variants[0], _engine(study))
+    objective = Objective(study, study.variants[0], _model_of(study))
     x = objective.bounds.coordinate(np.array([[p.start for p in study.parameters]]))
     found = objective.values(x)
     return columns, found.predicted[0]
 
 
-def _engine(study):
+def _model_of(study):
     from jaximpact.calibration.problem.forward_model import models_of
 
     return models_of(study)[0]
@@ -136,14 +135,14 @@ def _sigmas(measured, targets):
     return dict(zip(names, NOISE * np.abs(measured).T, strict=True))
 
 
-def _fit_and_predict(study, engine, columns, measured, targets):
+def _fit_and_predict(study, columns, measured, targets):
     """Which new measurements lie in their intervals and how wide these are, over the
     value, `(tests, targets)`, of each target the least value first; and r. None where
     the fit's draws are not to be trusted."""
     from jaximpact.calibration.fitted_ground import FittedGround
     from jaximpact.calibration.prediction import held_out_study, predict_variant
 
-    fitted, parts = _fitted(study, engine, targets)
+    fitted, parts = _fitted(study, targets)
     if not fitted.trusted:
         return None
     nothing = ("soil", "nuisances", "ranges", "results", "versions", "parts", "block")
@@ -159,7 +158,7 @@ def _fit_and_predict(study, engine, columns, measured, targets):
     if np.any(study.sigma_given):
         columns = columns | _sigmas(measured, targets)
     new = held_out_study(ground, _rows(columns, measured, targets, slice(TESTS, None)))
-    found = predict_variant(new, ground, fitted, engine)
+    found = predict_variant(new, ground, fitted, _model_of(new))
     inside = (new.measured >= found.low_95) & (new.measured <= found.high_95)
     width = (found.high_95 - found.low_95) / np.abs(new.measured)
     order = np.argsort(np.abs(new.measured), axis=0)
@@ -167,7 +166,7 @@ def _fit_and_predict(study, engine, columns, measured, targets):
     return *sorted_, parts
 
 
-def _fitted(study, engine, targets):
+def _fitted(study, targets):
     """The variant as it is fitted, and r of each target."""
     from jaximpact.calibration.diagnostics.importance_sampling import (
         draw,
@@ -183,7 +182,9 @@ def _fitted(study, engine, targets):
     from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import best_fit
 
-    objective, best, *_ = best_fit(Objective(study, study.variants[0], engine))
+    objective, best, *_ = best_fit(
+        Objective(study, study.variants[0], _model_of(study))
+    )
     points, bounds = best.points, objective.bounds
     uncertainty = estimate(objective, points)
     draws = draw(objective, points, uncertainty.inflation, count=DRAWS)
