@@ -77,6 +77,8 @@ class BestFit(NamedTuple):
     """Best fit alone."""
     ends: Fits
     """Ends of the fits from the best places, the best fit among them."""
+    lane: int
+    """Place of the best fit among these ends."""
     population: Population | None
     """Population that found these places; None without a search."""
 
@@ -96,13 +98,12 @@ def best_fit(objective: Objective) -> BestFit:
         if end.points.cost[0] < best.points.cost[0]:
             objective, best = settle(objective, end, fit_along)
             lane = other
-    return BestFit(objective, best, with_end(ends, lane, best), population)
+    return BestFit(objective, best, with_end(ends, lane, best), lane, population)
 
 
 def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
     study = objective.study
-    objective, best, ends, population = best_fit(objective)
-    lane = int(np.argmin(np.abs(ends.points.x - best.points.x).sum(axis=1)))
+    objective, best, ends, lane, population = best_fit(objective)
     objective, best, judged, profiles = _profiled(objective, best)
     uncertainty = judged.uncertainty
     # It may have gone on from a draw or a profile, and sigmas may have changed.

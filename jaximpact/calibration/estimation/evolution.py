@@ -30,7 +30,7 @@ GENERATIONS, MOST_GENERATIONS = 50, 80
 """Number of generations after which a search ends that has agreed, and the largest
 number."""
 APART = 200
-"""Largest number where mutations start from members at random."""
+"""Largest number of generations where mutations start from members at random."""
 WIDER = 3.0
 """Factor on the sigmas."""
 SPARE = 5

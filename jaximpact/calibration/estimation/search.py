@@ -114,7 +114,7 @@ def fit_beside_jump(
     """Go on from a fit (one lane) that a jump has stopped: by a population about it and
     of other points, and from its best members."""
     coarse = objective.no_finer_than_sigmas()
-    points = coarse(fits.points.x)
+    points = fits.points if coarse is objective else coarse(fits.points.x)
     if np.any(objective.failed(points.predicted)):
         return fits
     members = max(LEAST_MEMBERS, PER_UNKNOWN * points.x.shape[1])

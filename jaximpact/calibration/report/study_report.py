@@ -131,8 +131,8 @@ def _sections(
         )
     yield "Further tests", _further(diagnostics)
     words = (
-        f"{contents.search_in_words(variant)}. Fits from the best places, at any of "
-        "which the tests might be explained:"
+        f"{contents.search_in_words(variant)}. Each row is a fit from one of the best "
+        "places of the search, or from the start where there was no search."
     )
     yield "Search", [words[0].upper() + words[1:], contents.end_table(variant)]
 
