@@ -10,8 +10,8 @@ from .kernel import (
     without_copies,
 )
 from .kernel_set import KernelSet
-from .llvm_ir import keep_objects
 from .lower_jaxpr import NoMachineCode
+from .object_files import keep_objects
 from .target import host
 
 __all__ = [

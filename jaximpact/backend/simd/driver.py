@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from llvmlite.binding import ExecutionEngine
 
-from .llvm_ir import compile_text, load
+from .object_files import compile_text, load
 from .target import ThreadFunctions, this_target
 
 PACKAGE = __name__.rpartition(".")[0]
@@ -140,7 +140,7 @@ def driver_text(processor: str) -> str:
 
 def load_driver() -> Driver:
     """Load the driver, with an operation of its own that is still to be filled in."""
-    engine = load(driver_object(), external_calls=True)
+    engine = load([driver_object()], external_calls=True)
     address = engine.get_global_value_address("operation")
     return Driver(engine, Operation.from_address(address))
 

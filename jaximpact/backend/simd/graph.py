@@ -66,7 +66,8 @@ class Instruction(NamedTuple):
     kind: str
     fold: Callable
     text: str
-    """Template with `{f}`, `{i}`, `{t}` for the vector types, and operands by place."""
+    """Template with `{f}`, `{i}`, `{t}` for the vector types, `{n}` for their length,
+    and operands by place."""
     commutes: bool = False
 
 
@@ -89,16 +90,16 @@ OPERATIONS = {
     "multiply": Instruction(FLOAT, operator.mul, "fmul {f} {0}, {1}", True),
     "divide": Instruction(FLOAT, _divided, "fdiv {f} {0}, {1}"),
     "negate": Instruction(FLOAT, operator.neg, "fneg {f} {0}"),
-    "magnitude": Instruction(FLOAT, abs, "call {f} @llvm.fabs.v8f64({f} {0})"),
+    "magnitude": Instruction(FLOAT, abs, "call {f} @llvm.fabs.v{n}f64({f} {0})"),
     "root": Instruction(
         FLOAT,
         lambda x: math.sqrt(x) if x >= 0.0 else math.nan,
-        "call {f} @llvm.sqrt.v8f64({f} {0})",
+        "call {f} @llvm.sqrt.v{n}f64({f} {0})",
     ),
     "fused": Instruction(
         FLOAT,
         lambda a, b, c: a * b + c,
-        "call {f} @llvm.fma.v8f64({f} {0}, {f} {1}, {f} {2})",
+        "call {f} @llvm.fma.v{n}f64({f} {0}, {f} {1}, {f} {2})",
     ),
     "less": _compare(operator.lt, "olt"),
     "at_most": _compare(operator.le, "ole"),
@@ -143,12 +144,6 @@ class Graph:
     def __init__(self):
         self._known: dict[tuple, Node] = {}
 
-    def _key(self, value: Value):
-        if isinstance(value, Node):
-            return value.number
-        # 0.0 and -0.0 are equal, and NaN is not equal to itself.
-        return type(value).__name__, value.hex() if type(value) is float else value
-
     def _remember(self, key: tuple, kind: str, arguments: tuple) -> Node:
         node = self._known.get(key)
         if node is None:
@@ -163,15 +158,55 @@ class Graph:
     def apply(self, name: str, *arguments: Value) -> Value:
         """Apply an operation of `OPERATIONS`; numbers alone give a number."""
         operation = OPERATIONS[name]
-        if not any(isinstance(a, Node) for a in arguments):
+        keys, known = [], True
+        for value in arguments:
+            if isinstance(value, Node):
+                keys.append(value.number)
+                known = False
+            else:
+                # 0.0 and -0.0 are equal, and NaN is not equal to itself.
+                kind = type(value)
+                keys.append((kind, value.hex() if kind is float else value))
+        if known:
             return PYTHON[operation.kind](operation.fold(*arguments))
         same = _simplified(name, arguments)
         if same is not None:
             return same
-        keys = [self._key(a) for a in arguments]
         if operation.commutes:
-            keys.sort(key=str)
+            first, second = keys
+            if isinstance(first, tuple) or (
+                not isinstance(second, tuple) and second < first
+            ):
+                keys = [second, first]
         return self._remember((name, *keys), operation.kind, arguments)
+
+    def repeat(
+        self, copies: int, row_in_copy: Callable[[int, int], int]
+    ) -> list[dict[int, Node]]:
+        """Repeat what is worked out from a copy's own inputs for further copies.
+
+        Copies of a node stand side by side in the order of making, so that the
+        processor has several to work on. It is the last that is done to a graph.
+
+        Args:
+            row_in_copy: gives the row in another copy for one of the first.
+
+        Returns:
+            For each copy but the first its nodes, by `id` of the first one's.
+        """
+        others: list[dict[int, Node]] = [{} for _ in range(copies - 1)]
+        for node in self._known.values():
+            node.number *= copies
+            for copy, made in enumerate(others, 1):
+                arguments = node.arguments
+                if node.operation == INPUT:
+                    arguments = (row_in_copy(arguments[0], copy),)
+                else:
+                    arguments = tuple(made.get(id(a), a) for a in arguments)
+                if arguments != node.arguments:
+                    number = node.number + copy
+                    made[id(node)] = Node(node.operation, node.kind, arguments, number)
+        return others
 
     def choose(self, condition: Value, yes: Value, no: Value) -> Value:
         """Select `yes` where the condition is true, else `no`."""
@@ -199,13 +234,13 @@ def _simplified(name: str, arguments: tuple) -> Value | None:
 
     Products with zero stay: they are not zero for infinity and NaN.
     """
-    if name.startswith("choose"):
+    if name not in NEUTRAL:
+        if not name.startswith("choose"):
+            return None
         condition, yes, no = arguments
         if not isinstance(condition, Node):
             return yes if condition else no
         return yes if yes is no else None
-    if name not in NEUTRAL:
-        return None
     first, second = arguments
     if _is(second, NEUTRAL[name]):
         return first

@@ -16,14 +16,15 @@ import numpy as np
 
 from .driver import Program
 from .graph import INPUT, NUMPY, Graph, Node
-from .llvm_ir import DECLARATIONS, Output, compile_text, load, write_function
+from .llvm_ir import Function, Output, write_function
 from .lower_jaxpr import Translator
+from .object_files import compile_functions, lanes_for, load
 
 
 class Code(NamedTuple):
     """Compiled lane functions."""
 
-    object_file: bytes
+    object_files: list[bytes]
     input_rows: int
     common_inputs: int
     """First rows of inputs, which copies of a lane have in common."""
@@ -57,7 +58,7 @@ class Kernel:
 
     def __init__(self, code: Code, structure, retries: Retries | None = None):
         self.code, self.structure = code, structure
-        self.engine = load(code.object_file)
+        self.engine = load(code.object_files)
         address = self.engine.get_function_address
         asked = code.rows - code.sampled_rows - 1  # after the results
         self.program = Program(
@@ -193,7 +194,7 @@ def _compiled(
         functions_written.append(
             ("sample", sample, sources, at_samples, dict(masked=True))
         )
-    text, spare_rows = zip(
+    functions, spare_rows = zip(
         *(
             _written(*arguments, free_row=layout.rows, **how)
             for *arguments, how in functions_written
@@ -201,7 +202,7 @@ def _compiled(
         strict=True,
     )
     code = Code(
-        compile_text("\n".join([*text, DECLARATIONS])),
+        compile_functions(functions, copies),
         sum(part.rows for part in at_given),
         at_given[0].rows,
         sum(part.rows for part in at_results),
@@ -228,10 +229,6 @@ class _Part(NamedTuple):
     @property
     def rows(self) -> int:
         return self.size * self.copies
-
-    def start_of(self, copy: int) -> int:
-        """First row for a copy; the same for all of what they have in common."""
-        return self.start + (copy * self.size if self.copies > 1 else 0)
 
     def place_of(self, choose: Callable, tree) -> int:
         """Return the row of a leaf, chosen from the tree."""
@@ -263,40 +260,37 @@ def _written(
     masked: bool = False,
     says: bool = False,
     free_row: int = 0,
-) -> tuple[str, int]:
+) -> tuple[Function, int]:
     """Write a traced function for LLVM. Its arguments are in the rows of the sources,
     its results go to those of the targets, but for the truth that it `says` last."""
-    graph, outputs, said = Graph(), [], False
+    graph, arrays, said = Graph(), [], False
+    kinds = iter(traced.in_avals)
+    for part in sources:
+        rows = count(part.start)
+        for shape in part.shapes:
+            kind, values = NUMPY[next(kinds).dtype.kind], np.empty(shape, object)
+            for index in np.ndindex(shape):
+                values[index] = graph.input(next(rows), kind)
+            arrays.append(values)
+    arrays = Translator(graph).run(traced.jaxpr, traced.consts, arrays)
+    if says:
+        *arrays, truth = arrays
+        said = truth.item()
     copies = max(part.copies for part in (*sources, *targets))
-    arrays_of: dict[tuple, np.ndarray] = {}
 
-    def inputs_of(copy: int) -> list[np.ndarray]:
-        arrays, kinds = [], iter(traced.in_avals)
-        for part in sources:
-            row = part.start_of(copy)
-            for shape in part.shapes:
-                kind = NUMPY[next(kinds).dtype.kind]
-                if (row, shape) not in arrays_of:
-                    values = np.empty(shape, object)
-                    for i, index in enumerate(np.ndindex(shape)):
-                        values[index] = graph.input(row + i, kind)
-                    arrays_of[row, shape] = values
-                arrays.append(arrays_of[row, shape])
-                row += math.prod(shape)
-        return arrays
+    def row_in_copy(row: int, copy: int) -> int:
+        holds = (p for p in sources if p.copies > 1 and 0 <= row - p.start < p.size)
+        return row + copy * next((part.size for part in holds), 0)
 
-    results = Translator(graph).run(
-        traced.jaxpr, traced.consts, [inputs_of(copy) for copy in range(copies)]
-    )
-    for copy, arrays in enumerate(results):
-        if says:
-            *arrays, truth = arrays
-            said = truth.item()
-        arrays = iter(arrays)
-        for part in targets:
-            values = [x for _ in part.shapes for x in next(arrays).ravel()]
-            if copy == 0 or part.copies > 1:
-                outputs += map(Output, count(part.start_of(copy)), values)
+    of_copies = graph.repeat(copies, row_in_copy)
+    outputs, remaining = [], iter(arrays)
+    for part in targets:
+        values = [x for _ in part.shapes for x in next(remaining).ravel()]
+        outputs += map(Output, count(part.start), values)
+        for copy in range(1, part.copies):
+            of_copy = of_copies[copy - 1]
+            own = [of_copy.get(id(value), value) for value in values]
+            outputs += map(Output, count(part.start + copy * part.size), own)
     # What is in its row already stays there.
     changed = [
         output
@@ -304,4 +298,4 @@ def _written(
         if not isinstance(output.value, Node)
         or (output.value.operation, output.value.arguments) != (INPUT, (output.row,))
     ]
-    return write_function(name, changed, said, masked, free_row)
+    return write_function(name, changed, said, masked, free_row, lanes_for(copies))

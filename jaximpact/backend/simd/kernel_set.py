@@ -59,7 +59,8 @@ class KernelSet:
         digest.update(f"{len(self.kernels)} {self.directions}".encode())
         for kernel in self.kernels:
             digest.update(kernel.layout)
-            digest.update(kernel.code.object_file)
+            for object_file in kernel.code.object_files:
+                digest.update(object_file)
         return digest.hexdigest()[:32]
 
     def load_driver(self) -> Driver:

@@ -1,14 +1,15 @@
-"""Writing of graphs in LLVM's language, and compilation to machine code.
+"""Writing of graphs in LLVM's language.
 
 A division takes the time of some ten products. So a quotient is written as a product
 with the inverse of its divisor, which all quotients by it share; and the inverse of a
 product, a quotient or a choice is put together from those of its parts. A sum takes the
 product in it along.
 
-LLVM's time grows faster than the length of a function: a step with three derivatives,
-of 50 000 lines, takes twice as long in one piece as in four. So long functions are
-divided into parts. What one part works out for another goes through rows of the memory
-that all work on; it would have gone through the stack anyway.
+LLVM's time grows faster than the length of a function. So long functions are divided
+into parts, which can be compiled side by side. What one part works out for another goes
+through rows of the memory that all work on; it would have gone through the stack
+anyway. A vector has all eight lanes of a row, or half of them: then a part runs for one
+half, and for the other.
 
 How a value is written depends on what it is made of alone, and never on what else is
 worked out beside it: code with derivatives, or with a ledger, gives the same values to
@@ -21,38 +22,55 @@ there zero by next to nothing is NaN.
 
 import re
 import struct
-from collections.abc import Callable, Iterable
-from importlib.metadata import version
+from collections.abc import Iterable
 from typing import NamedTuple
 
-import llvmlite.binding as llvm
-
 from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value, kind_of
-from .target import this_target
 
 PACK = 8
-"""Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
-FLOATS, INTEGERS, TRUTHS = (f"<{PACK} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH))
-POINTERS = f"<{PACK} x ptr>"
-GATHER = f"@llvm.masked.gather.v{PACK}f64.v{PACK}p0"
+"""Lanes side by side: the numbers of a row."""
 NOWHERE = 65_535
 """Last address of those at which no system has memory. Columns without a lane, whose
 memory is zeros, come to addresses below it, and read zeros."""
-VECTORS = {"f": FLOATS, "i": INTEGERS, "t": TRUTHS}
-TYPES = {FLOAT: FLOATS, INTEGER: INTEGERS, TRUTH: TRUTHS}
 NAME = re.compile(r"%v\d+")
-PART = 12_000
-"""Lines of a part of a function."""
-DECLARATIONS = f"""
-declare {FLOATS} @llvm.fabs.v{PACK}f64({FLOATS})
-declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
-declare {FLOATS} @llvm.fma.v{PACK}f64({FLOATS}, {FLOATS}, {FLOATS})
-declare {FLOATS} {GATHER}({POINTERS}, i32, {TRUTHS}, {FLOATS})
+WHOLE = 12_000
+"""Lines of the longest function that is not divided. Values alone run slower divided:
+their steps, of some 6 000 lines, by a tenth."""
+PART = 1_500
+"""Lines of a part of a function. Of derivatives, parts of 1 000 to 3 000 lines take the
+same time to compile, and a fifth less than parts of 12 000."""
+
+
+class Vectors:
+    """Types of vectors of so many lanes, in LLVM's words."""
+
+    def __init__(self, lanes: int):
+        self.lanes = lanes
+        self.floats, self.integers, self.truths, self.pointers = (
+            f"<{lanes} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH, "ptr")
+        )
+        self.of = {FLOAT: self.floats, INTEGER: self.integers, TRUTH: self.truths}
+        self.align = f"align {8 * lanes}"
+        self.gather = f"@llvm.masked.gather.v{lanes}f64.v{lanes}p0"
+        self.in_templates: dict = {
+            "f": self.floats,
+            "i": self.integers,
+            "t": self.truths,
+            "n": lanes,
+        }
+        """Names that the templates of `OPERATIONS` have for them."""
+
+    @property
+    def declarations(self) -> str:
+        """What a module declares that has functions on them."""
+        f, n = self.floats, self.lanes
+        return f"""
+declare {f} @llvm.fabs.v{n}f64({f})
+declare {f} @llvm.sqrt.v{n}f64({f})
+declare {f} @llvm.fma.v{n}f64({f}, {f}, {f})
+declare {f} {self.gather}({self.pointers}, i32, {self.truths}, {f})
 attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
-
-Keep = Callable[[str, Callable[[], bytes]], bytes]
-_keep: Keep = lambda _, make: make()  # noqa: E731
 
 
 class Output(NamedTuple):
@@ -60,6 +78,18 @@ class Output(NamedTuple):
 
     row: int
     value: Value
+
+
+class Function(NamedTuple):
+    """A function in LLVM's language."""
+
+    parts: list[str]
+    """Definitions, each on vectors."""
+    head: str = ""
+    """Definition of what calls them one after the other; none of a single part for all
+    lanes."""
+    declarations: str = ""
+    """Those of the parts, for a module that has the head alone."""
 
 
 def in_order(roots: Iterable[Value]) -> list[Node]:
@@ -142,7 +172,8 @@ ONE, ZERO = _constant(1.0), _constant(0.0)
 class _Writer:
     """Lines of one function on the rows of `%work`."""
 
-    def __init__(self):
+    def __init__(self, vectors: Vectors):
+        self.vectors = vectors
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
         self.inverses: dict[int, str] = {}
@@ -164,33 +195,35 @@ class _Writer:
         return self.new(f"getelementptr double, ptr %work, i64 {row * PACK}")
 
     def read(self, row: int) -> str:
-        return self.new(f"load {FLOATS}, ptr {self.row(row)}, align 64")
+        vectors = self.vectors
+        return self.new(f"load {vectors.floats}, ptr {self.row(row)}, {vectors.align}")
 
     def load(self, row: int, kind: str) -> str:
-        read = self.read(row)
+        read, vectors = self.read(row), self.vectors
         if kind == TRUTH:
-            return self.new(f"fcmp une {FLOATS} {read}, {ZERO}")
+            return self.new(f"fcmp une {vectors.floats} {read}, {ZERO}")
         if kind == INTEGER:
-            return self.new(f"fptosi {FLOATS} {read} to {INTEGERS}")
+            return self.new(f"fptosi {vectors.floats} {read} to {vectors.integers}")
         return read
 
     def store(self, output: Output, mask: str | None) -> None:
         name, kind = self.name(output.value), kind_of(output.value)
+        floats, truths = self.vectors.floats, self.vectors.truths
         if kind == TRUTH:
-            name = self.new(f"select {TRUTHS} {name}, {FLOATS} {ONE}, {FLOATS} {ZERO}")
+            name = self.new(f"select {truths} {name}, {floats} {ONE}, {floats} {ZERO}")
         if kind == INTEGER:
-            name = self.new(f"sitofp {INTEGERS} {name} to {FLOATS}")
+            name = self.new(f"sitofp {self.vectors.integers} {name} to {floats}")
         if mask:
             old = self.read(output.row)
-            name = self.new(f"select {TRUTHS} {mask}, {FLOATS} {name}, {FLOATS} {old}")
+            name = self.new(f"select {truths} {mask}, {floats} {name}, {floats} {old}")
         row = self.row(output.row)
-        self.lines.append(f"  store {FLOATS} {name}, ptr {row}, align 64")
+        self.lines.append(f"  store {floats} {name}, ptr {row}, {self.vectors.align}")
 
     def write(self, nodes: list[Node]) -> None:
         for node in nodes:
             self.breaks.append(len(self.lines))
             name = self.names[id(node)] = self.written(node)
-            self.types[name] = TYPES[node.kind]
+            self.types[name] = self.vectors.of[node.kind]
 
     def written(self, node: Node) -> str:
         """Write a node; return the name of its result."""
@@ -218,15 +251,17 @@ class _Writer:
 
     def entry(self, address: str) -> str:
         """Read the numbers at some addresses."""
-        there = self.new(f"icmp sgt {INTEGERS} {address}, {_constant(NOWHERE)}")
-        pointers = self.new(f"inttoptr {INTEGERS} {address} to {POINTERS}")
+        to = self.vectors
+        there = self.new(f"icmp sgt {to.integers} {address}, {_constant(NOWHERE)}")
+        pointers = self.new(f"inttoptr {to.integers} {address} to {to.pointers}")
         return self.new(
-            f"call {FLOATS} {GATHER}({POINTERS} {pointers}, i32 8, "
-            f"{TRUTHS} {there}, {FLOATS} {ZERO})"
+            f"call {to.floats} {to.gather}({to.pointers} {pointers}, i32 8, "
+            f"{to.truths} {there}, {to.floats} {ZERO})"
         )
 
     def operation(self, operation: str, *operands: str) -> str:
-        return self.new(OPERATIONS[operation].text.format(*operands, **VECTORS))
+        template = OPERATIONS[operation].text
+        return self.new(template.format(*operands, **self.vectors.in_templates))
 
     def inverse(self, value: Value) -> str:
         """Return the name of one over a value, computed once."""
@@ -234,7 +269,7 @@ class _Writer:
             return _constant(OPERATIONS["divide"].fold(1.0, value))
         if id(value) not in self.inverses:
             name = self.inverses[id(value)] = self.new_inverse(value)
-            self.types[name] = FLOATS
+            self.types[name] = self.vectors.floats
         return self.inverses[id(value)]
 
     def new_inverse(self, value: Node) -> str:
@@ -255,34 +290,98 @@ def write_function(
     truth: Value,
     masked: bool = False,
     free_row: int = 0,
-) -> tuple[str, int]:
+    lanes: int = PACK,
+) -> tuple[Function, int]:
     """Write a function on the rows of the memory that it is called with, of which it
     may use those from `free_row` on; also return how many of these it uses.
 
     It stores the outputs, if `masked` in the columns named by the bits of its second
     argument alone, and returns the bits of a truth.
+
+    Args:
+        lanes: of a vector.
     """
-    writer = _Writer()
+    writer = _Writer(Vectors(lanes))
     writer.write(in_order([*(output.value for output in outputs), truth]))
     writer.breaks.append(len(writer.lines))
-    mask = writer.new(f"bitcast i{PACK} %columns to {TRUTHS}") if masked else None
+    truths = writer.vectors.truths
+    mask = writer.new(f"bitcast i{lanes} %columns to {truths}") if masked else None
     for output in outputs:
         writer.store(output, mask)
-    bits = writer.new(f"bitcast {TRUTHS} {writer.name(truth)} to i{PACK}")
+    bits = writer.new(f"bitcast {truths} {writer.name(truth)} to i{lanes}")
     parts, used = _in_parts(writer, free_row)
-    arguments, lines = f"(ptr %work, i{PACK} %columns)", []
-    for place, part in enumerate(parts[:-1]):
-        lines += [f"define internal void @{name}_{place}{arguments} #0 {{", *part]
-        lines += ["  ret void", "}"]
-    lines.append(f"define i{PACK} @{name}{arguments} #0 {{")
-    lines += [f"  call void @{name}_{k}{arguments}" for k in range(len(parts) - 1)]
-    lines += [*parts[-1], f"  ret i{PACK} {bits}", "}\n"]
-    return "\n".join(lines), used
+    if len(parts) == 1 and lanes == PACK:
+        return Function([_definition(name, lanes, parts[0], bits)]), used
+    names = [f"{name}_{place}" for place in range(len(parts))]
+    results = [*["0"] * (len(parts) - 1), bits]
+    definitions = [
+        _definition(part_name, lanes, part, result)
+        for part_name, part, result in zip(names, parts, results, strict=True)
+    ]
+    declarations = (f"declare i{lanes} @{part}(ptr, i{lanes})\n" for part in names)
+    return Function(definitions, _head(name, names, lanes), "".join(declarations)), used
+
+
+def _definition(name: str, lanes: int, lines: list[str], result: str) -> str:
+    first = f"define i{lanes} @{name}(ptr %work, i{lanes} %columns) #0 {{"
+    return "\n".join([first, *lines, f"  ret i{lanes} {result}", "}\n"])
+
+
+def _head(name: str, parts: list[str], lanes: int) -> str:
+    """Write the function that calls the parts, each for all lanes before the next: its
+    instructions are at hand then. The last one gives the bits.
+
+    It takes their addresses from a table. A call by relative address, from one object
+    file to another, might not reach.
+    """
+    table = f"@{name}_parts"
+    addresses = ", ".join(f"ptr @{part}" for part in parts)
+    lines = [
+        f"{table} = global [{len(parts)} x ptr] [{addresses}]",
+        f"define i{PACK} @{name}(ptr %work, i{PACK} %columns) {{",
+    ]
+    starts = range(0, PACK, lanes)
+    for start in starts:
+        lines += [
+            f"  %work{start} = getelementptr double, ptr %work, i64 {start}",
+            f"  %shifted{start} = lshr i{PACK} %columns, {start}",
+            f"  %columns{start} = {_resized(f'%shifted{start}', PACK, lanes)}",
+        ]
+    for place in range(len(parts)):
+        lines += [
+            f"  %at{place} = getelementptr ptr, ptr {table}, i64 {place}",
+            f"  %part{place} = load ptr, ptr %at{place}",
+        ]
+        lines += [
+            f"  %bits{place}_{start} = call i{lanes} %part{place}"
+            f"(ptr %work{start}, i{lanes} %columns{start})"
+            for start in starts
+        ]
+    bits = "0"
+    for start in starts:
+        of_part = f"%bits{len(parts) - 1}_{start}"
+        lines += [
+            f"  %wide{start} = {_resized(of_part, lanes, PACK)}",
+            f"  %placed{start} = shl i{PACK} %wide{start}, {start}",
+            f"  %all{start} = or i{PACK} {bits}, %placed{start}",
+        ]
+        bits = f"%all{start}"
+    return "\n".join([*lines, f"  ret i{PACK} {bits}", "}\n"])
+
+
+def _resized(value: str, before: int, after: int) -> str:
+    """Write the conversion between integers of so many bits."""
+    if before == after:
+        return f"or i{before} {value}, 0"
+    return f"{'zext' if after > before else 'trunc'} i{before} {value} to i{after}"
 
 
 def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
-    """Divide a function, and add lines that hand on what later parts need, in rows from
-    `free_row` on. Returns the lines by part, and how many rows they take."""
+    """Divide a long function, and add lines that hand on what later parts need, in rows
+    from `free_row` on. Returns the lines by part, and how many rows they take."""
+    if len(writer.lines) <= WHOLE:
+        return [writer.lines], 0
+    align = writer.vectors.align
     ends, begin = [], 0
     for place in writer.breaks:
         if place - begin >= PART and len(writer.lines) - place >= PART // 2:
@@ -308,7 +407,7 @@ def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
     def address(name: str, lines: list[str]) -> str:
         at, row = f"%at{len(lines)}", free_row + rows[name]
         lines.append(f"  {at} = getelementptr double, ptr %work, i64 {row * PACK}")
-        return f"ptr {at}, align 64"
+        return f"ptr {at}, {align}"
 
     for part, (begin, end) in enumerate(bounds):
         lines, here = [], set()
@@ -333,41 +432,3 @@ def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
         free += [rows.pop(name) for name in list(rows) if last_use[name] == part]
         written.append(lines)
     return written, most
-
-
-def keep_objects(keep: Keep) -> None:
-    """Have object files kept, since LLVM takes seconds: `keep` gives what is kept under
-    a key, or what a function makes and it keeps."""
-    global _keep
-    _keep = keep
-
-
-def compile_text(text: str, external_calls: bool = False) -> bytes:
-    """Return the machine code for this computer, as an object file, compiled or kept.
-
-    The key is the text itself, with every constant in it: whatever a user's law refers
-    to, other numbers are other code. External calls are those of functions of
-    libraries.
-
-    Raises NoMachineCode where this computer can run none.
-    """
-    target = this_target()
-    how = external_calls, target, version("llvmlite")
-    return _keep(
-        repr(("object", *how, text)), lambda: target.object_file(text, external_calls)
-    )
-
-
-def load(object_file: bytes, external_calls: bool = False):
-    """Make an engine of LLVM with machine code put to where it can run; the code is
-    there as long as the engine lives."""
-    target = this_target()
-    small = target.has_small_code_model(external_calls)
-    # Relative addresses reach 2 GB. llvmlite's memory manager keeps constants beside
-    # the code, but aborts the process where code has external calls.
-    engine = llvm.create_mcjit_compiler(
-        llvm.parse_assembly(""), target.machine(external_calls), use_lmm=small or None
-    )
-    engine.add_object_file(llvm.ObjectFileRef.from_data(object_file))
-    engine.finalize_object()
-    return engine

@@ -5,7 +5,6 @@ known number of turns are written out.
 """
 
 import math
-import operator
 from collections.abc import Callable
 from functools import reduce
 from typing import Any
@@ -32,6 +31,12 @@ def values_of(array) -> Values:
 
 
 def _each(function: Callable, *arrays: Values) -> Values:
+    shape = arrays[0].shape
+    if arrays[0].size == 1 and all(array.shape == shape for array in arrays):
+        # Nearly all arrays of a lane: NumPy takes its time to go through one number.
+        values = np.empty(shape, object)
+        values.flat[0] = function(*(array.flat[0] for array in arrays))
+        return values
     made = np.frompyfunc(function, len(arrays), 1)(*arrays)
     values = np.empty(np.shape(made), object)
     values[...] = made
@@ -64,51 +69,25 @@ class NoMachineCode(NotImplementedError):
     """File, line and function that it stands in, where that is known."""
 
 
-Copies = list[list[Values]]
-"""Arrays of each of several copies."""
-
-
 class Translator:
-    """A walk through a jaxpr, equation by equation.
-
-    It does so for several copies of the arguments at once. What their arguments have in
-    common is worked out once; of the rest, each equation's results stand side by side.
-    """
+    """A walk through a jaxpr, equation by equation."""
 
     def __init__(self, graph: Graph):
         self.graph = graph
 
-    def run(self, jaxpr, constants, copies: Copies) -> Copies:
-        """Compute values of the outputs of a jaxpr, for each copy of its arguments."""
-        count = len(copies)
+    def run(self, jaxpr, constants, arguments: list[Values]) -> list[Values]:
+        """Compute values of the outputs of a jaxpr."""
+        constants = [values_of(constant) for constant in constants]
+        return walk(jaxpr, constants, arguments, _literal, self.outputs)
 
-        def by_copy(values: list) -> Copies:
-            return [[value[copy] for value in values] for copy in range(count)]
-
-        outputs = walk(
-            jaxpr,
-            [[values_of(constant)] * count for constant in constants],
-            zip(*copies, strict=True),
-            lambda atom: [_literal(atom)] * count,
-            lambda equation, operands: zip(
-                *self.outputs(equation, by_copy(operands)), strict=True
-            ),
-        )
-        return by_copy(outputs)
-
-    def outputs(self, equation, copies: Copies) -> Copies:
+    def outputs(self, equation, inputs: list[Values]) -> list[Values]:
         """Compute values of the outputs of one equation; an error names its place."""
-        first, *others = copies
-        if others and all(all(map(operator.is_, first, other)) for other in others):
-            return self.outputs(equation, [first]) * len(copies)
         try:
             if (inner := called(equation)) is not None:
-                return self.run(inner.jaxpr, inner.consts, copies)
+                return self.run(inner.jaxpr, inner.consts, inputs)
             if equation.primitive.name == "scan":
-                return self.scan(equation, copies)
-            return [
-                list(map(_as_array, self.apply(equation, inputs))) for inputs in copies
-            ]
+                return self.scan(equation, inputs)
+            return list(map(_as_array, self.apply(equation, inputs)))
         except NoMachineCode as problem:
             problem.place = problem.place or place_of(equation)
             raise
@@ -133,8 +112,7 @@ class Translator:
         if name in REWRITTEN and all(kind_of(x) == FLOAT for x in _first(inputs)):
             avals = [atom.aval for atom in equation.invars]
             written = jax.make_jaxpr(REWRITTEN[name])(*avals)
-            (outputs,) = self.run(written.jaxpr, written.consts, [inputs])
-            return outputs
+            return self.run(written.jaxpr, written.consts, inputs)
         if name in REDUCTIONS:
             return [self.reduce(REDUCTIONS[name], params["axes"], *inputs)]
         method = getattr(self, f"_{name}", None)
@@ -142,46 +120,20 @@ class Translator:
             raise NoMachineCode(f"no native code for the primitive '{name}'")
         return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
 
-    def scan(self, equation, copies: Copies) -> Copies:
+    def scan(self, equation, inputs: list[Values]) -> list[Values]:
         params = equation.params
         inner, (count, carried) = params["jaxpr"], scan_counts(equation)
         first = count + carried
-        carries = [inputs[count:first] for inputs in copies]
+        constants, carry, series = inputs[:count], inputs[count:first], inputs[first:]
         turns = list(range(params["length"]))
         if params["reverse"]:
             turns.reverse()
-        rows: list[list] = [[None] * len(turns) for _ in copies]
-        made: dict[tuple, Values] = {}
-
-        def shared(make: Callable, *arrays) -> Values:
-            """Return what a function makes of some arrays, once for all copies that
-            hold them."""
-            key = (make, *map(id, arrays))
-            if key not in made:
-                made[key] = make(arrays)
-            return made[key]
-
+        rows: list[list] = [[]] * len(turns)
         for i in turns:
-            take = lambda arrays, i=i: arrays[0][i]  # noqa: E731
-            outputs = self.run(
-                inner.jaxpr,
-                inner.consts,
-                [
-                    [
-                        *inputs[:count],
-                        *carry,
-                        *(shared(take, s) for s in inputs[first:]),
-                    ]
-                    for inputs, carry in zip(copies, carries, strict=True)
-                ],
-            )
-            carries = [values[:carried] for values in outputs]
-            for row, values in zip(rows, outputs, strict=True):
-                row[i] = values[carried:]
-        return [
-            [*carry, *(shared(np.stack, *arrays) for arrays in zip(*row, strict=True))]
-            for carry, row in zip(carries, rows, strict=True)
-        ]
+            turn = [*constants, *carry, *(values[i] for values in series)]
+            outputs = self.run(inner.jaxpr, inner.consts, turn)
+            carry, rows[i] = outputs[:carried], outputs[carried:]
+        return [*carry, *map(np.stack, zip(*rows, strict=True))]
 
     def reduce(self, function: Callable, axes, values: Values) -> Values:
         for axis in sorted(axes, reverse=True):
