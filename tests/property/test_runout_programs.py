@@ -13,6 +13,7 @@ from runout_scenes import SLOPE_STUDY, ellipse
 
 from jaximpact import Block, Impact
 from jaximpact.backend.simd import kernel
+from jaximpact.backend.simd.object_files import lanes_for, module_of
 from jaximpact.finding import find_part
 from jaximpact.identity import described
 from jaximpact.rebound import AbstractRebound
@@ -60,13 +61,13 @@ def test_what_passes_through_programs_alone():
 @pytest.fixture
 def compiled(monkeypatch):
     """A list that grows by each program that is compiled."""
-    compile_text, made = kernel.compile_text, []
+    compile_functions, made = kernel.compile_functions, []
 
-    def counted(text):
-        made.append(text)
-        return compile_text(text)
+    def counted(functions, copies):
+        made.append(module_of(functions, lanes_for(copies)))
+        return compile_functions(functions, copies)
 
-    monkeypatch.setattr(kernel, "compile_text", counted)
+    monkeypatch.setattr(kernel, "compile_functions", counted)
     return made
 
 
@@ -135,9 +136,10 @@ def test_a_study_in_a_second_process_compiles_nothing(tmp_path):
 import jax, sys
 jax.config.update("jax_enable_x64", True)
 from jaximpact.backend.simd import kernel
+from jaximpact.backend.simd.object_files import lanes_for, module_of
 from jaximpact.runout import read_slope_study, run_slope_study
-compile_text, made = kernel.compile_text, []
-kernel.compile_text = lambda text: made.append(text) or compile_text(text)
+compile_functions, made = kernel.compile_functions, []
+kernel.compile_functions = lambda *x: made.append(x) or compile_functions(*x)
 found = run_slope_study(read_slope_study({str(tmp_path / "slope.toml")!r}))
 print(len(made), *(found[name].values.tobytes().hex() for name in found.data_vars))
 """

@@ -21,6 +21,7 @@ from jaximpact.backend.simd import (
 )
 from jaximpact.backend.simd import target as functions
 from jaximpact.backend.simd.driver import driver_text
+from jaximpact.backend.simd.object_files import lanes_for, module_of
 from jaximpact.backend.simd.tables import entries
 from jaximpact.backend.simd.target import Target
 
@@ -51,11 +52,14 @@ def all_targets():
 def text():
     """A kernel in LLVM's language: with a loop, elementary functions, quotients
     and a table."""
-    made, compile_text = [], kernel.compile_text
+    made, compile_functions = [], kernel.compile_functions
+
+    def noted(functions, copies):
+        made.append(module_of(functions, lanes_for(copies)))
+        return compile_functions(functions, copies)
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            kernel, "compile_text", lambda text: made.append(text) or compile_text(text)
-        )
+        patch.setattr(kernel, "compile_functions", noted)
         compile_kernel(
             lambda x: (x, jnp.zeros(1)),
             lambda s: ((s[0] - 1.0, s[1] + jnp.exp(-s[0]) / (1.0 + s[0])), s[0] > 0.0),
@@ -108,7 +112,9 @@ def test_a_large_frame_on_windows_is_touched_page_by_page():
 )
 def test_arguments_are_where_the_system_has_them(target, register):
     text = "define i64 @f(ptr %a) {\n %r = load i64, ptr %a\n ret i64 %r\n}"
-    assert register in target.machine(False).emit_assembly(llvm.parse_assembly(text))
+    assert register in target.machine(False).make().emit_assembly(
+        llvm.parse_assembly(text)
+    )
 
 
 @pytest.mark.parametrize(

@@ -130,7 +130,7 @@ class Translator:
             turns.reverse()
         rows: list[list] = [[]] * len(turns)
         for i in turns:
-            turn = [*constants, *carry, *(values[i] for values in series)]
+            turn = [*constants, *carry, *(_as_array(values[i]) for values in series)]
             outputs = self.run(inner.jaxpr, inner.consts, turn)
             carry, rows[i] = outputs[:carried], outputs[carried:]
         return [*carry, *map(np.stack, zip(*rows, strict=True))]

@@ -12,8 +12,9 @@ from .compiler import compile_apart, compile_module
 from .llvm_ir import PACK, Function, Vectors
 from .target import this_target
 
-APART = 10_000
-"""Lines for which a process is started to compile them: some 0.3 s of work."""
+APART = 5_000
+"""Lines for which a process is started to compile them: it takes 0.1 s to start, and
+they some 0.2 s. Fewer are compiled here."""
 
 Keep = Callable[[str, Callable[[], bytes]], bytes]
 _keep: Keep = lambda _, make: make()  # noqa: E731
@@ -59,10 +60,11 @@ def compile_functions(functions: Sequence[Function], copies: int) -> list[bytes]
 
     def make() -> bytes:
         machine, objects = target.machine(external_calls=False), None
+        count = min(text.count("\n") // APART, thread_count())
         # Where a register holds eight numbers, values alone run a tenth slower without
         # LLVM's scheduling.
-        if copies > 1 or not target.has_long_vectors:
-            objects = compile_apart(machine, _modules(functions, lanes))
+        if count and (copies > 1 or not target.has_long_vectors):
+            objects = compile_apart(machine, _modules(functions, lanes, count))
         if objects is None:
             objects = [compile_module(machine, text)]
         elif heads := "\n".join(f.head + f.declarations for f in functions):
@@ -89,15 +91,14 @@ def module_of(functions: Sequence[Function], lanes: int) -> str:
     return "\n".join([*texts, *heads, Vectors(lanes).declarations])
 
 
-def _modules(functions: Sequence[Function], lanes: int) -> list[str]:
-    """Write the parts of functions as modules of about the same length, as many as are
-    worth a process each."""
+def _modules(functions: Sequence[Function], lanes: int, count: int) -> list[str]:
+    """Write the parts of functions as at most so many modules of about the same
+    length."""
     parts = [part for function in functions for part in function.parts]
-    ends = np.cumsum([part.count("\n") for part in parts])
-    count = int(np.clip(ends[-1] // APART, 1, thread_count()))
+    ends = np.cumsum([len(part) for part in parts])
     modules: list[list[str]] = [[] for _ in range(count)]
     for part, end in zip(parts, ends, strict=True):
-        modules[count * (end - 1) // ends[-1]].append(part)
+        modules[count * int(end - 1) // int(ends[-1])].append(part)
     declared = Vectors(lanes).declarations
     return ["\n".join([*texts, declared]) for texts in modules if texts]
 

@@ -1,0 +1,139 @@
+"""Code in parts, on vectors of half the lanes, and compiled by child processes: the
+same numbers to the last bit."""
+
+import sys
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaximpact.backend.simd import (
+    Kernel,
+    KernelSet,
+    LaneFunctions,
+    compile_code,
+    compiler,
+    llvm_ir,
+    object_files,
+    target,
+)
+
+COPIES = 3
+LANES = 37
+
+
+def begin(inputs, direction):
+    start, _, _ = inputs
+    by_start, by_scale, by_offset = direction
+    slope = by_start + 0.5 * by_scale + 0.25 * by_offset
+    return (start, jnp.zeros(1)), (slope, jnp.zeros(1))
+
+
+def step(state, slopes):
+    left, total = state
+    after = left - 1.0, total + jnp.exp(-left) / (1.0 + jnp.sin(left) ** 2)
+    slope, sum_ = slopes
+    change = -slope * jnp.exp(-left) / (1.0 + jnp.sin(left) ** 2)
+    return after, (slope * jnp.cos(total), sum_ + change), left > 0.0
+
+
+def finish(inputs, direction, state, slopes):
+    start, scale, offset = inputs
+    _, by_scale, by_offset = direction
+    value = scale * jnp.sqrt(state[1] + start) + offset
+    return value, slopes[1] + by_scale * value + by_offset * slopes[0]
+
+
+def results():
+    """Numbers of lanes that end at different steps, with those of three copies, and how
+    many object files there are."""
+    functions, three = LaneFunctions(begin, step, finish), [jnp.ones(1)] * COPIES
+    code = compile_code(functions, three, three, COPIES)
+    inputs = np.random.default_rng(1).uniform(1.0, 40.0, (COPIES, LANES))
+    kernels = KernelSet([Kernel(code, None)], COPIES)
+    rows, _ = kernels.compute(inputs, 1, along=range(COPIES))
+    return rows, len(code.object_files)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    rows, files = results()
+    assert files == 1
+    assert len(rows) == 1 + COPIES
+    assert np.all(np.isfinite(rows))
+    assert len(np.unique(rows)) == rows.size
+    return rows
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept(monkeypatch):
+    monkeypatch.setattr(object_files, "_keep", lambda key, make: make())
+
+
+@pytest.fixture
+def small_parts(monkeypatch):
+    monkeypatch.setattr(llvm_ir, "WHOLE", 20)
+    monkeypatch.setattr(llvm_ir, "PART", 10)
+
+
+@pytest.fixture
+def short_vectors(monkeypatch):
+    """As where a register holds four numbers."""
+    if target.this_target().processor != "x86":
+        pytest.skip("a processor of x86")
+    monkeypatch.setattr(target, "host", lambda: ("x86-64-v3", "+avx2,+fma"))
+
+
+@pytest.fixture
+def children(monkeypatch):
+    """What child processes are asked for."""
+    asked, compile_apart = [], object_files.compile_apart
+
+    def noted(machine, texts):
+        asked.append(texts)
+        return compile_apart(machine, texts)
+
+    monkeypatch.setattr(object_files, "APART", 50)
+    monkeypatch.setattr(object_files, "thread_count", lambda: 3)
+    monkeypatch.setattr(object_files, "compile_apart", noted)
+    return asked
+
+
+@pytest.mark.parametrize(
+    "ways",
+    [
+        ("small_parts",),
+        ("children",),
+        ("small_parts", "children"),
+        ("short_vectors",),
+        ("short_vectors", "small_parts", "children"),
+    ],
+    ids="+".join,
+)
+def test_the_same_bits_in_each_way(ways, expected, request):
+    for way in ways:
+        request.getfixturevalue(way)
+    rows, files = results()
+    assert rows.tobytes() == expected.tobytes()
+    if "children" in ways and "small_parts" in ways:
+        (texts,) = request.getfixturevalue("children")
+        assert len(texts) == 3
+        assert files == 4  # and one with what calls the parts
+
+
+@pytest.mark.parametrize("executable", ["", None, "/opt/viewer/viewer", "/no/python"])
+def test_without_an_interpreter_code_is_compiled_here(
+    executable, children, expected, monkeypatch
+):
+    monkeypatch.setattr(sys, "executable", executable)
+    rows, files = results()
+    assert rows.tobytes() == expected.tobytes()
+    assert files == 1
+    assert children
+
+
+def test_a_child_that_fails_leaves_the_work_to_its_parent():
+    machine = target.this_target().machine(external_calls=False)
+    whole, broken = "define void @f() {\n ret void\n}", "define void @f() {"
+    assert len(compiler.compile_apart(machine, [whole, whole])) == 2
+    assert compiler.compile_apart(machine, [whole, broken]) is None
