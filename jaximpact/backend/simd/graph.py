@@ -165,8 +165,8 @@ class Graph:
                 known = False
             else:
                 # 0.0 and -0.0 are equal, and NaN is not equal to itself.
-                kind = type(value)
-                keys.append((kind, value.hex() if kind is float else value))
+                exact = value.hex() if isinstance(value, float) else value
+                keys.append((type(value), exact))
         if known:
             return PYTHON[operation.kind](operation.fold(*arguments))
         same = _simplified(name, arguments)
@@ -182,7 +182,7 @@ class Graph:
 
     def repeat(
         self, copies: int, row_in_copy: Callable[[int, int], int]
-    ) -> list[dict[int, Node]]:
+    ) -> list[dict[int, Value]]:
         """Repeat what is worked out from a copy's own inputs for further copies.
 
         Copies of a node stand side by side in the order of making, so that the
@@ -194,7 +194,7 @@ class Graph:
         Returns:
             For each copy but the first its nodes, by `id` of the first one's.
         """
-        others: list[dict[int, Node]] = [{} for _ in range(copies - 1)]
+        others: list[dict[int, Value]] = [{} for _ in range(copies - 1)]
         for node in self._known.values():
             node.number *= copies
             for copy, made in enumerate(others, 1):

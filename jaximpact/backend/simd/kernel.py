@@ -194,7 +194,7 @@ def _compiled(
         functions_written.append(
             ("sample", sample, sources, at_samples, dict(masked=True))
         )
-    functions, spare_rows = zip(
+    written, spare_rows = zip(
         *(
             _written(*arguments, free_row=layout.rows, **how)
             for *arguments, how in functions_written
@@ -202,7 +202,7 @@ def _compiled(
         strict=True,
     )
     code = Code(
-        compile_functions(functions, copies),
+        compile_functions(written, copies),
         sum(part.rows for part in at_given),
         at_given[0].rows,
         sum(part.rows for part in at_results),
@@ -285,7 +285,7 @@ def _written(
     of_copies = graph.repeat(copies, row_in_copy)
     outputs, remaining = [], iter(arrays)
     for part in targets:
-        values = [x for _ in part.shapes for x in next(remaining).ravel()]
+        values: list = [x for _ in part.shapes for x in next(remaining).ravel()]
         outputs += map(Output, count(part.start), values)
         for copy in range(1, part.copies):
             of_copy = of_copies[copy - 1]
