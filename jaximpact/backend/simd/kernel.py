@@ -285,11 +285,11 @@ def _written(
     of_copies = graph.repeat(copies, row_in_copy)
     outputs, remaining = [], iter(arrays)
     for part in targets:
-        values: list = [x for _ in part.shapes for x in next(remaining).ravel()]
-        outputs += map(Output, count(part.start), values)
+        results: list = [x for _ in part.shapes for x in next(remaining).ravel()]
+        outputs += map(Output, count(part.start), results)
         for copy in range(1, part.copies):
             of_copy = of_copies[copy - 1]
-            own = [of_copy.get(id(value), value) for value in values]
+            own = [of_copy.get(id(result), result) for result in results]
             outputs += map(Output, count(part.start + copy * part.size), own)
     # What is in its row already stays there.
     changed = [
