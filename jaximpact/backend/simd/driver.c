@@ -13,7 +13,6 @@
 #include <stdlib.h>
 
 #define PACK 8 /* lanes in a vector, as in llvm_ir.py */
-#define ALL 0xFF
 #define AXES 24 /* told in a message too */
 #define PROGRAMS 32
 #define RETRIES 7
@@ -21,6 +20,7 @@
 #define FOR_EVER 0xFFFFFFFF /* milliseconds, on Windows */
 
 typedef uint8_t Mask; /* a bit a column */
+/* Works on some columns, and perhaps on others beside them. */
 typedef Mask (*Function)(double *work, Mask columns);
 
 /* What lanes do. A lane's inputs, state and results are a column of the memory `work`,
@@ -255,11 +255,11 @@ static void go_on(Job *job, int64_t place, Columns *columns)
             return;
         Mask ends;
         do {
-            ends = full & ~program->step(columns->work, ALL);
+            ends = full & ~program->step(columns->work, full);
             if (program->sample)
                 sample(program, columns, job, full);
         } while (!ends);
-        program->finish(columns->work, ALL);
+        program->finish(columns->work, ends);
         again = 0;
         for (int column = 0; column < PACK; column++) {
             if (!(ends >> column & 1))

@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 fb7c6add40405bd47e9d078e63a830ab7651c828eee23b1e069b6fee2a563995
+; Made from driver.c by 'make driver'; sha256 c65b1e8a7ccf5d1524bf06a6621c6ba634d46780b7f3cbfa084fc5671ac05281
 
 %struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
@@ -1329,7 +1329,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 
 220:
   %221 = load ptr, ptr %52, align 8
-  %222 = tail call zeroext i8 %221(ptr noundef %28, i8 noundef zeroext -1)
+  %222 = tail call zeroext i8 %221(ptr noundef %28, i8 noundef zeroext %210)
   %223 = xor i8 %222, -1
   %224 = and i8 %210, %223
   %225 = load ptr, ptr %53, align 8
@@ -1558,7 +1558,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 
 387:
   %388 = load ptr, ptr %59, align 8
-  %389 = tail call zeroext i8 %388(ptr noundef %28, i8 noundef zeroext -1)
+  %389 = tail call zeroext i8 %388(ptr noundef %28, i8 noundef zeroext %224)
   %390 = zext i8 %224 to i32
   br label %391
 

@@ -296,8 +296,8 @@ def write_function(
     """Write a function on the rows of the memory that it is called with, of which it
     may use those from `free_row` on; also return how many of these it uses.
 
-    It stores the outputs, if `masked` in the columns named by the bits of its second
-    argument alone, and returns the bits of a truth.
+    Its second argument names columns by their bits. It stores the outputs in these, but
+    in others too unless `masked`, and returns the bits of a truth.
 
     Args:
         lanes: of a vector.
@@ -329,45 +329,64 @@ def _definition(name: str, lanes: int, lines: list[str], result: str) -> str:
 
 
 def _head(name: str, parts: list[str], lanes: int) -> str:
-    """Write the function that calls the parts, each for all lanes before the next: its
-    instructions are at hand then. The last one gives the bits.
+    """Write the function that calls the parts one after the other, each for every
+    vector in which a column is wanted: its instructions are at hand then. The last one
+    gives the bits.
 
-    It takes their addresses from a table. A call by relative address, from one object
-    file to another, might not reach.
+    It takes their addresses from a table: a call by relative address, from one object
+    file to another, might not reach. Calls are written out, since a processor foresees
+    where each leads; in a loop derivatives take a sixth longer.
     """
-    table = f"@{name}_parts"
+    table, starts = f"@{name}_parts", [*range(0, PACK, lanes)]
     addresses = ", ".join(f"ptr @{part}" for part in parts)
     lines = [
         f"{table} = global [{len(parts)} x ptr] [{addresses}]",
         f"define i{PACK} @{name}(ptr %work, i{PACK} %columns) {{",
     ]
-    starts = range(0, PACK, lanes)
     for start in starts:
         lines += [
             f"  %work{start} = getelementptr double, ptr %work, i64 {start}",
             f"  %shifted{start} = lshr i{PACK} %columns, {start}",
             f"  %columns{start} = {_resized(f'%shifted{start}', PACK, lanes)}",
+            f"  %empty{start} = icmp eq i{lanes} %columns{start}, 0",
         ]
-    for place in range(len(parts)):
+    if len(starts) == 2:
+        for start, other in (starts, starts[::-1]):
+            lines += [
+                f"  br i1 %empty{other}, label %only{start}, label %not{start}",
+                f"only{start}:",
+                *_calls(table, len(parts), [start], lanes, f"_only{start}"),
+                f"not{start}:",
+            ]
+    return "\n".join([*lines, *_calls(table, len(parts), starts, lanes, ""), "}\n"])
+
+
+def _calls(
+    table: str, parts: int, starts: list[int], lanes: int, suffix: str
+) -> list[str]:
+    """Write the calls of the parts for vectors that start at some columns, and the
+    return of their bits; the suffix tells names from those of other calls."""
+    lines = []
+    for place in range(parts):
         lines += [
-            f"  %at{place} = getelementptr ptr, ptr {table}, i64 {place}",
-            f"  %part{place} = load ptr, ptr %at{place}",
+            f"  %at{place}{suffix} = getelementptr ptr, ptr {table}, i64 {place}",
+            f"  %part{place}{suffix} = load ptr, ptr %at{place}{suffix}",
         ]
         lines += [
-            f"  %bits{place}_{start} = call i{lanes} %part{place}"
+            f"  %bits{place}_{start}{suffix} = call i{lanes} %part{place}{suffix}"
             f"(ptr %work{start}, i{lanes} %columns{start})"
             for start in starts
         ]
     bits = "0"
     for start in starts:
-        of_part = f"%bits{len(parts) - 1}_{start}"
+        of_part = f"%bits{parts - 1}_{start}{suffix}"
         lines += [
-            f"  %wide{start} = {_resized(of_part, lanes, PACK)}",
-            f"  %placed{start} = shl i{PACK} %wide{start}, {start}",
-            f"  %all{start} = or i{PACK} {bits}, %placed{start}",
+            f"  %wide{start}{suffix} = {_resized(of_part, lanes, PACK)}",
+            f"  %placed{start}{suffix} = shl i{PACK} %wide{start}{suffix}, {start}",
+            f"  %all{start}{suffix} = or i{PACK} {bits}, %placed{start}{suffix}",
         ]
-        bits = f"%all{start}"
-    return "\n".join([*lines, f"  ret i{PACK} {bits}", "}\n"])
+        bits = f"%all{start}{suffix}"
+    return [*lines, f"  ret i{PACK} {bits}"]
 
 
 def _resized(value: str, before: int, after: int) -> str:
