@@ -21,10 +21,10 @@ from ..backend.simd import (
     Code,
     Kernel,
     KernelSet,
+    LaneFunctions,
     NoMachineCode,
     compile_code,
     compile_kernel,
-    without_copies,
 )
 from ..backend.threads import thread_count
 from ..identity import PACKAGE, clear_when_edited, heed_edits, tracing
@@ -205,7 +205,7 @@ class ClosedProgram:
                 return plan
             of_lanes, ended = jax.vmap(reduced), np.zeros(1, bool)
             # All is done as a lane ends, so that nothing is kept of it before.
-            functions = without_copies(
+            functions = LaneFunctions(
                 lambda inputs: (),
                 lambda state: (state, ended),
                 lambda inputs, _: of_lanes(*inputs),

@@ -3,11 +3,13 @@ same numbers to the last bit."""
 
 import sys
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaximpact.backend.simd import (
+    Derivatives,
     Kernel,
     KernelSet,
     LaneFunctions,
@@ -18,40 +20,35 @@ from jaximpact.backend.simd import (
     target,
 )
 
-COPIES = 3
 LANES = 37
+INPUTS = np.random.default_rng(1).uniform(1.0, 40.0, (3, LANES))
 
 
-def begin(inputs, direction):
-    start, _, _ = inputs
-    by_start, by_scale, by_offset = direction
-    slope = by_start + 0.5 * by_scale + 0.25 * by_offset
-    return (start, jnp.zeros(1)), (slope, jnp.zeros(1))
+def begin(inputs):
+    start, scale, _ = inputs
+    return start, jnp.log(scale)
 
 
-def step(state, slopes):
+def step(state):
     left, total = state
     after = left - 1.0, total + jnp.exp(-left) / (1.0 + jnp.sin(left) ** 2)
-    slope, sum_ = slopes
-    change = -slope * jnp.exp(-left) / (1.0 + jnp.sin(left) ** 2)
-    return after, (slope * jnp.cos(total), sum_ + change), left > 0.0
+    return after, left > 0.0
 
 
-def finish(inputs, direction, state, slopes):
+def finish(inputs, state):
     start, scale, offset = inputs
-    _, by_scale, by_offset = direction
-    value = scale * jnp.sqrt(state[1] + start) + offset
-    return value, slopes[1] + by_scale * value + by_offset * slopes[0]
+    return scale * jnp.sqrt(state[1] + start) + offset * state[0]
 
 
-def results():
-    """Numbers of lanes that end at different steps, with those of three copies, and how
-    many object files there are."""
-    functions, three = LaneFunctions(begin, step, finish), [jnp.ones(1)] * COPIES
-    code = compile_code(functions, three, three, COPIES)
-    inputs = np.random.default_rng(1).uniform(1.0, 40.0, (COPIES, LANES))
-    kernels = KernelSet([Kernel(code, None)], COPIES)
-    rows, _ = kernels.compute(inputs, 1, along=range(COPIES))
+def results(lanes=LANES):
+    """Numbers of lanes that end at different steps, with their derivatives by each
+    input, and how many object files there are."""
+    inputs = INPUTS[:, :lanes]
+    directions = Derivatives(3, inputs=(0, 1, 2), state=(0, 1))
+    functions = LaneFunctions(begin, step, finish)
+    code = compile_code(functions, [jnp.ones(1)] * 3, directions)
+    kernels = KernelSet([Kernel(code, None)], 3)
+    rows, _ = kernels.compute(inputs, 1, along=range(3))
     return rows, len(code.object_files)
 
 
@@ -59,10 +56,31 @@ def results():
 def expected():
     rows, files = results()
     assert files == 1
-    assert len(rows) == 1 + COPIES
+    assert len(rows) == 4
     assert np.all(np.isfinite(rows))
     assert len(np.unique(rows)) == rows.size
     return rows
+
+
+def test_derivatives_are_those_of_jax(expected):
+    """To the rounding of 40 additions."""
+
+    def value(inputs):
+        state, going = begin(inputs), True
+        while going:
+            state, going = step(state)
+        return finish(inputs, state)[0]
+
+    for lane in range(4):
+        at = [jnp.asarray(row[lane : lane + 1]) for row in INPUTS]
+        numbers = [value(at), *(x[0] for x in jax.grad(value)(at))]
+        np.testing.assert_allclose(expected[:, lane], numbers, rtol=1e-13)
+
+
+@pytest.mark.parametrize("lanes", [1, 4, 5])
+def test_few_lanes_leave_a_vector_empty(lanes, short_vectors, expected):
+    rows, _ = results(lanes)
+    assert rows.tobytes() == expected[:, :lanes].tobytes()
 
 
 @pytest.fixture(autouse=True)

@@ -2,12 +2,12 @@
 
 from .kernel import (
     Code,
+    Derivatives,
     Kernel,
     LaneFunctions,
     Retries,
     compile_code,
     compile_kernel,
-    without_copies,
 )
 from .kernel_set import KernelSet
 from .lower_jaxpr import NoMachineCode
@@ -16,6 +16,7 @@ from .target import host
 
 __all__ = [
     "Code",
+    "Derivatives",
     "Kernel",
     "KernelSet",
     "LaneFunctions",
@@ -25,5 +26,4 @@ __all__ = [
     "compile_kernel",
     "host",
     "keep_objects",
-    "without_copies",
 ]

@@ -9,15 +9,15 @@ lane's results do not depend, to the last bit, on what runs beside it.
 import math
 from collections.abc import Callable, Sequence
 from itertools import count
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
 from .driver import Program
-from .graph import INPUT, NUMPY, Graph, Node
+from .graph import FLOAT, INPUT, NUMPY, Graph, Node, Value
 from .llvm_ir import Function, Output, write_function
-from .lower_jaxpr import Translator
+from .lower_jaxpr import Dual, Translator
 from .object_files import compile_functions, lanes_for, load
 
 
@@ -93,119 +93,101 @@ class Kernel:
 
 
 class LaneFunctions(NamedTuple):
-    """Functions in JAX that say what a lane does.
-
-    Each takes and gives what copies of a lane have in common, and what each has of its
-    own; without copies the latter are empty trees. Copies are worked out side by side,
-    and what is common once: a lane with several derivatives has one copy for each.
-    """
+    """Functions in JAX that say what a lane does."""
 
     begin: Callable
-    """Function from inputs, and own inputs, to a state and an own state."""
+    """Function from inputs to a state."""
     step: Callable
-    """Function from both states to the next ones, and whether the lane goes on."""
+    """Function from a state to the next one, and whether the lane goes on."""
     finish: Callable
-    """Function from inputs, own inputs and both states to results and own results."""
+    """Function from inputs and a state to results."""
     sample: Callable | None = None
-    """Function from both states and a time that the last step has passed to samples
-    there, common and own."""
+    """Function from a state and a time that the last step has passed to samples
+    there."""
     time: Callable | None = None
     """Function from a state to the time reached, which must be an array of the
     state."""
 
 
-def without_copies(
-    begin: Callable,
-    step: Callable,
-    finish: Callable,
-    sample: Callable | None = None,
-    time: Callable | None = None,
-) -> LaneFunctions:
-    """Make lane functions of those of lanes that have nothing of their own."""
+class Derivatives(NamedTuple):
+    """Derivatives of results, and of samples, along directions."""
 
-    def step_both(state, _):
-        state, going = step(state)
-        return state, (), going
-
-    return LaneFunctions(
-        lambda inputs, _: (begin(inputs), ()),
-        step_both,
-        lambda inputs, _, state, __: (finish(inputs, state), ()),
-        sample and (lambda state, _, time: (sample(state, time), ())),
-        time,
-    )
+    directions: int
+    inputs: Sequence[int]
+    """Leaves of the inputs by which a direction may lead."""
+    state: Sequence[int]
+    """Leaves of the state that have derivatives; those of others count as zero."""
 
 
 def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) -> Kernel:
-    """Compile functions of lanes, as for `without_copies`, ready to run; inputs are as
+    """Compile functions of lanes, as for `LaneFunctions`, ready to run; inputs are as
     for `compile_code`."""
-    functions = without_copies(begin, step, finish)
-    code, (results, _) = _compiled(functions, inputs)
+    code, results = _compiled(LaneFunctions(begin, step, finish), inputs, None)
     return Kernel(code, jax.tree.structure(results))
 
 
 def compile_code(
-    functions: LaneFunctions, inputs, own_inputs=(), copies: int = 1
+    functions: LaneFunctions, inputs, derivatives: Derivatives | None = None
 ) -> Code:
     """Compile functions of lanes.
 
     Args:
         inputs: a tree of arrays, or of what stands for them, with one lane: every
             array of the functions has one axis of length 1, the lane's.
-        own_inputs: the same, of one copy.
-        copies: how many there are.
+        derivatives: those along directions, which are worked out beside the values.
 
-    Rows are inputs, own inputs of each copy, state, own states, results, own results;
-    with samples the time asked for, samples and own samples.
+    Rows are inputs, state and results; with samples the time asked for and samples.
+    Behind inputs, state, results and samples stand the derivatives of each direction.
+    The inputs' are those that the direction is given by: of each of the leaves that may
+    vary, and with samples of the time.
 
     Raises NoMachineCode if a function does what has no native code.
     """
-    return _compiled(functions, inputs, own_inputs, copies)[0]
+    return _compiled(functions, inputs, derivatives)[0]
 
 
 def _compiled(
-    functions: LaneFunctions, inputs, own_inputs=(), copies: int = 1
-) -> tuple[Code, tuple]:
-    """Give the code, and shapes of results and own results."""
-    arguments = inputs, own_inputs
-    begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*arguments)
-    step = jax.make_jaxpr(functions.step)(*states)
-    finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(
-        *arguments, *states
-    )
-    layout = _Layout(copies)
-    at_given, at_states, at_results = map(layout.allot, (arguments, states, results))
-    functions_written = [
-        ("begin", begin, at_given, at_states, dict(masked=True)),
-        ("step", step, at_states, at_states, dict(says=True)),
-        ("finish", finish, at_given + at_states, at_results, {}),
+    functions: LaneFunctions, inputs, derivatives: Derivatives | None
+) -> tuple[Code, Any]:
+    """Give the code, and shapes of results."""
+    begin, state = jax.make_jaxpr(functions.begin, return_shape=True)(inputs)
+    step = jax.make_jaxpr(functions.step)(state)
+    finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(inputs, state)
+    sampled = functions.sample is not None and functions.time is not None
+    along = derivatives or Derivatives(1, (), ())
+    layout = _Layout(along.directions if derivatives else 0)
+    at_inputs = layout.allot(inputs, along.inputs, more=1 if sampled else 0)
+    at_state = layout.allot(state, along.state)
+    at_results = layout.allot(results)
+    to_write = [
+        ("begin", begin, [at_inputs], [at_state], dict(masked=True)),
+        ("step", step, [at_state], [at_state], dict(says=True)),
+        ("finish", finish, [at_inputs, at_state], [at_results], {}),
     ]
     time_row, sampled_rows = -1, 0
     if functions.sample is not None and functions.time is not None:
         asked = jax.ShapeDtypeStruct((1,), float)
         sample, samples = jax.make_jaxpr(functions.sample, return_shape=True)(
-            *states, asked
+            state, asked
         )
-        at_asked, _ = layout.allot((asked, ()))
+        at_asked = layout.asked(at_inputs)
         at_samples = layout.allot(samples)
-        sampled_rows = sum(part.rows for part in at_samples)
-        time_row = at_states[0].place_of(functions.time, states[0])
-        sources = [*at_states, at_asked]
-        functions_written.append(
-            ("sample", sample, sources, at_samples, dict(masked=True))
-        )
+        sampled_rows = at_samples.rows
+        time_row = at_state.place_of(functions.time, state)
+        sources = [at_state, at_asked]
+        to_write.append(("sample", sample, sources, [at_samples], dict(masked=True)))
     written, spare_rows = zip(
         *(
-            _written(*arguments, free_row=layout.rows, **how)
-            for *arguments, how in functions_written
+            _written(layout, name, traced, sources, targets, **how)
+            for name, traced, sources, targets, how in to_write
         ),
         strict=True,
     )
     code = Code(
-        compile_functions(written, copies),
-        sum(part.rows for part in at_given),
-        at_given[0].rows,
-        sum(part.rows for part in at_results),
+        compile_functions(written, layout.directions or 1),
+        at_inputs.rows,
+        at_inputs.size,
+        at_results.rows,
         layout.rows,
         max(spare_rows),
         time_row,
@@ -215,20 +197,26 @@ def _compiled(
 
 
 class _Part(NamedTuple):
-    """Rows that hold a tree, or one tree for each copy."""
+    """Rows that hold a tree, and behind them those of derivatives."""
 
     start: int
     shapes: list[tuple[int, ...]]
-    copies: int
+    varied: Sequence[int]
+    """Leaves that have derivatives."""
+    slopes: int
+    """First row of the derivatives of the first direction."""
+    stride: int
+    """Rows from those of a direction to those of the next."""
+    directions: int
 
     @property
     def size(self) -> int:
-        """Rows of one copy."""
+        """Rows of values."""
         return sum(map(math.prod, self.shapes))
 
     @property
     def rows(self) -> int:
-        return self.size * self.copies
+        return self.size + self.directions * self.stride
 
     def place_of(self, choose: Callable, tree) -> int:
         """Return the row of a leaf, chosen from the tree."""
@@ -236,61 +224,102 @@ class _Part(NamedTuple):
         chosen = choose(jax.tree.unflatten(structure, range(len(leaves))))
         return self.start + sum(map(math.prod, self.shapes[:chosen]))
 
+    def rows_of_slopes(self) -> dict[int, int]:
+        """Find the first row of each leaf's derivative along the first direction."""
+        rows, row = {}, self.slopes
+        for leaf in self.varied:
+            rows[leaf] = row
+            row += math.prod(self.shapes[leaf])
+        return rows
+
 
 class _Layout:
-    def __init__(self, copies: int):
-        self.copies, self.rows = copies, 0
+    """Rows reserved one after the other."""
 
-    def allot(self, pair) -> list[_Part]:
-        """Reserve rows for a tree that copies have in common, and for one that each
-        has."""
-        parts = []
-        for tree, copies in zip(pair, (1, self.copies), strict=True):
-            shapes = [leaf.shape for leaf in jax.tree.leaves(tree)]
-            parts.append(_Part(self.rows, shapes, copies))
-            self.rows += parts[-1].rows
-        return parts
+    def __init__(self, directions: int):
+        self.directions, self.rows = directions, 0
+
+    def allot(self, tree, varied: Sequence[int] | None = None, more: int = 0) -> _Part:
+        """Reserve rows for a tree, and for the derivatives of some of its leaves, by
+        default of all, with so many rows more for each direction."""
+        shapes = [leaf.shape for leaf in jax.tree.leaves(tree)]
+        if varied is None:
+            varied = range(len(shapes))
+        if not self.directions:
+            varied, more = (), 0
+        slopes = self.rows + sum(map(math.prod, shapes))
+        stride = sum(math.prod(shapes[leaf]) for leaf in varied) + more
+        part = _Part(self.rows, shapes, varied, slopes, stride, self.directions)
+        self.rows += part.rows
+        return part
+
+    def asked(self, inputs: _Part) -> _Part:
+        """Reserve a row for the time asked for, whose derivative is among those of the
+        inputs, the last of each direction."""
+        part = _Part(self.rows, [(1,)], (), 0, 0, 0)
+        self.rows += 1
+        if not self.directions:
+            return part
+        slopes, stride = inputs.slopes + inputs.stride - 1, inputs.stride
+        return part._replace(varied=(0,), slopes=slopes, stride=stride)
 
 
 def _written(
+    layout: _Layout,
     name: str,
     traced,
     sources: Sequence[_Part],
     targets: Sequence[_Part],
     masked: bool = False,
     says: bool = False,
-    free_row: int = 0,
 ) -> tuple[Function, int]:
     """Write a traced function for LLVM. Its arguments are in the rows of the sources,
     its results go to those of the targets, but for the truth that it `says` last."""
-    graph, arrays, said = Graph(), [], False
-    kinds = iter(traced.in_avals)
+    graph, kinds = Graph(), iter(traced.in_avals)
+
+    def inputs(row: int, shape: tuple[int, ...], kind: str) -> np.ndarray:
+        values = np.empty(shape, object)
+        for index in np.ndindex(shape):
+            values[index] = graph.input(row, kind)
+            row += 1
+        return values
+
+    arguments = []
     for part in sources:
-        rows = count(part.start)
-        for shape in part.shapes:
-            kind, values = NUMPY[next(kinds).dtype.kind], np.empty(shape, object)
-            for index in np.ndindex(shape):
-                values[index] = graph.input(next(rows), kind)
-            arrays.append(values)
-    arrays = Translator(graph).run(traced.jaxpr, traced.consts, arrays)
+        row, slopes = part.start, part.rows_of_slopes()
+        for leaf, shape in enumerate(part.shapes):
+            values = inputs(row, shape, NUMPY[next(kinds).dtype.kind])
+            slope = inputs(slopes[leaf], shape, FLOAT) if leaf in slopes else None
+            arguments.append(Dual(values, slope))
+            row += math.prod(shape)
+    results = Translator(graph).run(traced.jaxpr, traced.consts, arguments)
+    said: Value = False
     if says:
-        *arrays, truth = arrays
-        said = truth.item()
-    copies = max(part.copies for part in (*sources, *targets))
+        *results, truth = results
+        said = truth.values.item()
 
-    def row_in_copy(row: int, copy: int) -> int:
-        holds = (p for p in sources if p.copies > 1 and 0 <= row - p.start < p.size)
-        return row + copy * next((part.size for part in holds), 0)
+    def row_along(row: int, direction: int) -> int:
+        strides = (p.stride for p in sources if 0 <= row - p.slopes < p.stride)
+        return row + direction * next(strides, 0)
 
-    of_copies = graph.repeat(copies, row_in_copy)
-    outputs, remaining = [], iter(arrays)
+    directions = max(layout.directions, 1)
+    others = graph.repeat(directions, row_along)
+    outputs, remaining = [], iter(results)
     for part in targets:
-        results: list = [x for _ in part.shapes for x in next(remaining).ravel()]
-        outputs += map(Output, count(part.start), results)
-        for copy in range(1, part.copies):
-            of_copy = of_copies[copy - 1]
-            own = [of_copy.get(id(result), result) for result in results]
-            outputs += map(Output, count(part.start + copy * part.size), own)
+        row, slopes = part.start, part.rows_of_slopes()
+        for leaf, shape in enumerate(part.shapes):
+            result = next(remaining)
+            outputs += map(Output, count(row), result.values.ravel())
+            row += math.prod(shape)
+            if leaf not in slopes:
+                continue
+            slope = np.zeros(shape) if result.slope is None else result.slope
+            first = slope.ravel().tolist()
+            outputs += map(Output, count(slopes[leaf]), first)
+            for direction, other in enumerate(others, 1):
+                start = slopes[leaf] + direction * part.stride
+                along = [other.get(id(value), value) for value in first]
+                outputs += map(Output, count(start), along)
     # What is in its row already stays there.
     changed = [
         output
@@ -298,4 +327,5 @@ def _written(
         if not isinstance(output.value, Node)
         or (output.value.operation, output.value.arguments) != (INPUT, (output.row,))
     ]
-    return write_function(name, changed, said, masked, free_row, lanes_for(copies))
+    lanes = lanes_for(directions)
+    return write_function(name, changed, said, masked, layout.rows, lanes)
