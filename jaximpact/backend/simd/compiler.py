@@ -7,6 +7,7 @@ script and imports llvmlite alone, in a tenth of a second.
 """
 
 import pickle
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -92,6 +93,8 @@ def compile_apart(machine: Machine, texts: Sequence[str]) -> list[bytes] | None:
 
 def main() -> None:
     """Compile the module that stands in the standard input."""
+    # Ctrl-C is the parent's, which waits no longer than for this one module.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     machine, text = pickle.load(sys.stdin.buffer)
     llvm.set_option("", NO_SCHEDULING)
     llvm.initialize_native_target()
