@@ -88,7 +88,7 @@ def parameter(
         default: value if none is given, in `unit`; None for a parameter of a law of
             rebound that must be given. Laws of the soil and shapes need a default.
         unit: of the default, the range and the column: an SI unit as "m/s" or "1/s",
-            "-" for none, "deg", "deg/s" or "kN/m3".
+            "-" for none, "deg", "deg/s", "kN/m3" or "kPa".
         range: interval of the values allowed, with round brackets where an end is left
             out: "(0, inf)", "[0, 1]".
         meaning: a few words, for tables, docstrings and messages.

@@ -4,9 +4,9 @@ for them."""
 import math
 
 DEGREE = math.pi / 180.0
-SIZES = {"deg": DEGREE, "deg/s": DEGREE, "kN/m3": 1e3}
+SIZES = {"deg": DEGREE, "deg/s": DEGREE, "kN/m3": 1e3, "kPa": 1e3}
 """Units of columns that are not SI -> size in SI."""
-SUFFIXES = {"deg": "_deg", "deg/s": "_degps", "kN/m3": "_kNm3"}
+SUFFIXES = {"deg": "_deg", "deg/s": "_degps", "kN/m3": "_kNm3", "kPa": "_kPa"}
 """Units of columns that are not SI -> suffix of the column's name."""
 RESULT_SUFFIXES = {
     **{"-": "", "m": "_m", "N": "_N", "N m": "_Nm", "s": "_s"},
@@ -17,6 +17,7 @@ UNITS = {
     "deg": {"deg": 1.0, "rad": 1.0 / DEGREE},
     "deg/s": {"deg/s": 1.0, "rad/s": 1.0 / DEGREE},
     "kN/m3": {"kN/m3": 1.0, "N/m3": 1e-3},
+    "kPa": {"kPa": 1.0, "Pa": 1e-3, "MPa": 1e3},
     "kg/m3": {"kg/m3": 1.0, "g/cm3": 1e3, "g/m3": 1e-3},
     "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mm/s": 1e-3},
     "kg": {"kg": 1.0, "g": 1e-3},

@@ -27,7 +27,7 @@ from ..quantities import (
 from ..scene import Block, Scene, Soil
 from .problem.config import TOML, Study, read_study, study_of
 from .problem.dataset import joined_tables
-from .problem.fitted_parameters import DEFAULT_BOUNDS
+from .problem.fitted_parameters import FITTED
 from .problem.laws import parts_and_values, scene_of
 
 COLUMNS = Path("columns given")
@@ -153,7 +153,7 @@ def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Stu
     known = measurements.known_columns
     columns = {name: column for name, column in known.items() if column.part == "soil"}
     if not isinstance(fit, Mapping):
-        fit = {n: {} for n in DEFAULT_BOUNDS if n in columns} if fit is None else fit
+        fit = {n: {} for n in FITTED if n in columns} if fit is None else fit
         fit = {name: {} for name in fit}
     _check_names("fit", fit, columns, known)
     _check_names("ground", of_ground.stated, columns, known)

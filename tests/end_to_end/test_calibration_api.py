@@ -12,7 +12,16 @@ from error_messages import assert_one_line_error
 from text_files import rows_of, write_columns
 
 import jaximpact
-from jaximpact import PRESETS, Soil, calibrate, predict
+from jaximpact import (
+    PRESETS,
+    Block,
+    Impact,
+    Scene,
+    Soil,
+    calibrate,
+    predict,
+    simulate_batch,
+)
 from jaximpact.calibration import read_study
 from jaximpact.calibration.api import ground_of
 from jaximpact.calibration.arguments import study_given, table_given
@@ -75,6 +84,29 @@ def test_the_soil_is_found_and_ready(found):
     assert float(found.soil.friction_angle) == pytest.approx(
         float(Soil().friction_angle)
     )
+
+
+def test_cohesion_is_fitted_where_it_is_asked_for():
+    """Drops of many sizes, of exact numbers: what does not grow with the depth is told
+    from what does. Neither bounds nor a start are given."""
+    draw = np.random.default_rng(1).uniform
+    mass, speed = np.exp(draw(0.0, np.log(2e3), 16)), draw(3.0, 20.0, 16)
+    truth = Soil(c_v=0.6, gamma_v=4.0, k_E=400.0, cohesion=30e3)
+    drops = Scene(Block(mass=mass), truth, Impact(speed=speed))
+    of_truth = simulate_batch(drops)
+    tests = {
+        "mass_kg": mass,
+        "speed_mps": speed,
+        "e_n": of_truth.e_n,
+        "max_penetration_m": of_truth.max_penetration,
+        "max_normal_force_N": of_truth.max_normal_force,
+    }
+    asked = ("c_v", "gamma_v", "k_E", "cohesion_kPa")
+    fitted = calibrate(tests, fit=asked)
+    assert float(fitted.soil.cohesion) == pytest.approx(30e3, rel=0.01)
+    assert "cohesion_kPa = 30 " in str(fitted)
+    without = calibrate(tests)
+    assert float(without.soil.cohesion) == 0.0
 
 
 def test_a_summary_at_a_glance(found):

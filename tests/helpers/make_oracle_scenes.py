@@ -26,9 +26,22 @@ LIMIT_S = 60
 EXTRA = ("ledger_residual_J", "e_vijayakumar", "oracle_error", "outcome_loose")
 
 
-def scenes(count: int = 300) -> list[dict]:
+COUNT = 300
+COHESIVE = 60
+"""Scenes whose ground has cohesion, behind the others."""
+
+
+def scenes() -> list[dict]:
     """Random scenes, rounded so that the CSV holds exactly what was run."""
-    rng = np.random.default_rng(SEED)
+    cohesive = random_scenes(COHESIVE, SEED + 1)
+    rng = np.random.default_rng(SEED + 2)
+    for scene in cohesive:
+        scene["cohesion_kPa"] = float(f"{10 ** rng.uniform(-1.0, 2.5):.6g}")
+    return random_scenes(COUNT, SEED) + cohesive
+
+
+def random_scenes(count: int, seed: int) -> list[dict]:
+    rng = np.random.default_rng(seed)
 
     def uni(a, b):
         return float(rng.uniform(a, b))

@@ -86,6 +86,7 @@ DEFAULTS = dict(
     psi=0.33,
     alpha_s=1.0,
     dilatancy=0.0,
+    cohesion_kPa=0.0,
 )
 
 RESULTS = (
@@ -156,6 +157,8 @@ class Model:
             math.exp(math.pi * self.tan_p) * math.tan(math.pi / 4 + phi_p / 2) ** 2
         )
         self.N_g = 2 * (self.N_q + 1) * self.tan_p
+        self.N_c = (self.N_q - 1) / self.tan_p
+        self.cohesion = 1e3 * p["cohesion_kPa"]
         self.dq_fac = 2 * self.tan_p * (1 - math.sin(phi_p)) ** 2
         self.tan_b = p["alpha_s"] * math.tan(phi)
         self.nu = p["poisson"]
@@ -271,8 +274,14 @@ class Model:
         s_q = 1 + B / L * self.tan_p
         s_g = 1 - 0.4 * B / L
         d_q = 1 + self.dq_fac * math.atan(u / B)
+        s_c = 1 + B / L * self.N_q / self.N_c
+        d_c = d_q + (d_q - 1) / (self.N_c * self.tan_p)
         gam = self.gamma_n
-        return area * (gam * u * self.N_q * s_q * d_q + 0.5 * gam * B * self.N_g * s_g)
+        return area * (
+            self.cohesion * self.N_c * s_c * d_c
+            + gam * u * self.N_q * s_q * d_q
+            + 0.5 * gam * B * self.N_g * s_g
+        )
 
     def flow(self, N, T, M, VM, Bt, rho_c):
         """Visco-plastic rates (du_n, du_t, dtheta) at the given forces."""

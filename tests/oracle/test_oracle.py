@@ -1,4 +1,4 @@
-"""Three hundred random impacts against an independent implementation.
+"""Three hundred and sixty random impacts against an independent implementation.
 
 `data/oracle_scenes.csv` holds scenes over the whole range of blocks, impacts and soils,
 solved by `model_oracle.py` with SciPy; see `make_oracle_scenes.py`.

@@ -167,6 +167,42 @@ def test_bearing_factors_are_those_of_vesic_s_table(degrees, surcharge, weight):
     assert float(factors.depth) == pytest.approx(hansen, rel=ROUNDING)
 
 
+@pytest.mark.parametrize(("degrees", "factor"), [(20, 14.83), (30, 30.14), (40, 75.31)])
+def test_the_factor_of_cohesion_is_that_of_vesic_s_table(degrees, factor):
+    assert float(bearing_factors(math.radians(degrees)).cohesion) == pytest.approx(
+        factor, abs=0.006
+    )
+
+
+def test_cohesion_without_friction_is_prandtl_s():
+    """N_c = 2 + pi, and by series on its way there."""
+    factors, slopes = jax.jvp(bearing_factors, (0.0,), (1.0,))
+    assert float(factors.cohesion) == pytest.approx(2.0 + math.pi, rel=ROUNDING)
+    # N_c = (e^z - 1)/t with z = (2 + pi) t to second order
+    assert float(slopes.cohesion) == pytest.approx(0.5 * (2.0 + math.pi) ** 2)
+    for friction in (1e-5, 0.9999e-4, 1.0001e-4, 1e-3):
+        z = math.pi * math.tan(friction) + 2.0 * math.asinh(math.tan(friction))
+        exact = math.expm1(z) / math.tan(friction)
+        found = bearing_factors(friction).cohesion
+        assert float(found) == pytest.approx(exact, rel=ROUNDING)
+
+
+def test_cohesion_adds_its_own_term():
+    friction, cohesion = 0.6, 5e3
+    factors, base = bearing_factors(friction), footing(0.4, 0.3, 0.1)
+    plain = Vesic()(base, 18e3, factors)
+    found = Vesic(cohesion=cohesion)(base, 18e3, factors) - plain
+    tangent, ratio = math.tan(friction), 0.3 / 0.4
+    surcharge, factor = float(factors.surcharge), float(factors.cohesion)
+    d_q = 1.0 + float(factors.depth) * math.atan(0.1 / 0.3)
+    d_c = d_q + (d_q - 1.0) / (factor * tangent)
+    s_c = 1.0 + ratio * surcharge / factor
+    area = 0.25 * math.pi * 0.4 * 0.3
+    expected = area * cohesion * factor * s_c * d_c
+    # The difference has lost two digits.
+    assert float(found) == pytest.approx(expected, rel=100 * ROUNDING)
+
+
 @pytest.mark.parametrize(
     ("relative_density", "degrees", "values"),
     [

@@ -18,12 +18,17 @@ from .dataset import CAMPAIGN, Measurements
 from .expressions import Tied, read_tied
 from .nuisance import EACH_TEST, Nuisance, Prior, pooled_nuisance, read_prior
 
-DEFAULT_BOUNDS = {
-    "c_v": (0.01, 10.0),
-    "gamma_v": (0.05, 500.0),
-    "k_E": (10.0, 1e5),
+FITTED = "c_v", "gamma_v", "k_E"
+"""Parameters that are fitted by default."""
+DEFAULTS = {
+    "c_v": {"lower": 0.01, "upper": 10.0},
+    "gamma_v": {"lower": 0.05, "upper": 500.0},
+    "k_E": {"lower": 10.0, "upper": 1e5},
+    # From no cohesion that would matter to that of soft rock
+    "cohesion_kPa": {"start": 10.0, "lower": 0.01, "upper": 1e4},
 }
-"""Bounds of the parameters that are fitted by default [units of the columns]."""
+"""Bounds, and the start where the soil's own value is none, of parameters for which
+neither need be given [units of the columns]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,7 +56,7 @@ def read_parameters(
 ) -> tuple[tuple[Parameter, ...], tuple[Tied, ...], tuple[Nuisance, ...]]:
     """Read the fitted parameters, those tied to them, and deviations of groups."""
     columns = {name: c for name, c in columns.items() if c.part == "soil"}
-    usual = {name: {} for name in DEFAULT_BOUNDS if name in columns}
+    usual = {name: {} for name in FITTED if name in columns}
     chosen = typed(top, content, "parameters", dict, usual)
     if not chosen:
         raise top["parameters"].error("names no parameter to fit")
@@ -112,8 +117,8 @@ def _parameter(
     check_table(key, entry, keys, "{ start = 1.0, lower = 0.1, upper = 10.0 }")
     entry = {name: entry[name] for name in entry if name in keys[:4]}
     column = columns[name]
-    lower, upper = DEFAULT_BOUNDS.get(name, (None, None))
-    values = {"start": column.default, "lower": lower, "upper": upper} | entry
+    values = {"start": column.default, "lower": None, "upper": None}
+    values |= DEFAULTS.get(name, {}) | entry
     prior = None
     if "prior" in values:
         prior = read_prior(key["prior"], values.pop("prior"))
