@@ -24,9 +24,11 @@ from .error_control import ErrorControl
 
 LANDING = 1e-10
 """Magnitude below which a margin counts as zero."""
-ON_SWITCH = 1e-7, 1e-2
+ON_SWITCH = 1e-9, 1e-2
 """Magnitude below which a switching function counts as zero: absolute, and as a
-fraction of the tolerance."""
+fraction of the tolerance. Derivatives do not see by how much a switch has been passed:
+with 1e-7 in place of 1e-9 those of e_n of 0.016 were off by 2e-4 at any tolerance, and
+steps at `reference` are 0.6 % more."""
 FIRST_WIDTH = 1e-10
 """Width of the first step over the time in which the block moves by its size."""
 SMALLEST_WIDTH = 1e-15

@@ -19,10 +19,9 @@ EXACT = Accuracy("exact", 1e-11, PRESETS["reference"].floor)
 """Far below every preset, so that differences are not the noise of an integration, and
 derivatives not those of its steps."""
 STEP = 1e-4
-CLOSE = 5e-4
-"""Of the largest derivative of a target. Nearly all agree to 1e-6; where a result
-depends on nothing by much, derivatives of the impact itself are off by some 1e-6 of the
-result, whatever the step and the accuracy."""
+CLOSE = 2e-5
+"""Of the largest derivative of a target. Nearly all agree to 1e-6; where next to
+nothing is left of a result, steps that pass a switch of the laws by 1e-9 are seen."""
 SHIPPED = (
     *("beladjine2007", "gerber2019", "katsuragi2007", "labiouse1996", "lu2019"),
     *("wyllie", "twins/slow", "twins/slower", "twins/very-dense"),
