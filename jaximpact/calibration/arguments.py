@@ -27,7 +27,7 @@ from ..quantities import (
 from ..scene import Block, Scene, Soil
 from .problem.config import TOML, Study, read_study, study_of
 from .problem.dataset import joined_tables
-from .problem.fitted_parameters import FITTED
+from .problem.fitted_parameters import DEFAULTS, FITTED
 from .problem.laws import parts_and_values, scene_of
 
 COLUMNS = Path("columns given")
@@ -161,6 +161,8 @@ def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Stu
     for name, entry in fit.items():
         expect(f"fit of {name}", entry, Mapping)
         start = of_ground.values.get(name)
+        if start == 0.0 and "start" in DEFAULTS.get(name, {}):
+            start = None  # a ground without cohesion is no place to start from
         parameters[name] = ({} if start is None else {"start": start}) | dict(entry)
     fixed = {
         whole: argument.stated

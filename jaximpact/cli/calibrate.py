@@ -138,9 +138,9 @@ def add_parser(commands) -> None:
         "--compare",
         action="store_true",
         help="find out too which law predicts the tests best, some minutes: the "
-        "model, the alternatives to its laws, constant coefficients, Pfeiffer and "
-        "Bowen, a power law in the angle, and a rigid ellipsoid; or the laws that "
-        "[compare] in the study names",
+        "model, the model with cohesion, the alternatives to its laws, constant "
+        "coefficients, Pfeiffer and Bowen, a power law in the angle, and a rigid "
+        "ellipsoid; or the laws that [compare] in the study names",
     )
 
     options.add_engine(parser)

@@ -265,8 +265,19 @@ def contact(
         stiffness.tangential * motion.elastic_tangential,
         stiffness.rotational * motion.elastic_rotation,
     )
-    capacity = soil.bearing(
-        footing, ground.unit_weight_normal, ground.bearing_factors, branch=branch
+    approach = (
+        motion.normal_velocity
+        + soil.kinematics.sinking_arm(base) * motion.angular_velocity,
+        motion.tangential_velocity - base.normal_arm * motion.angular_velocity,
+        motion.angular_velocity,
+    )
+    capacity = soil.bearing.at_velocity(
+        footing,
+        ground.unit_weight_normal,
+        ground.bearing_factors,
+        approach[0],
+        soil.unit_weight / GRAVITY,
+        branch=branch,
     )
     normal_before_cut = springs.normal if forces is None else forces.normal
     forces = springs if forces is None else forces
@@ -283,12 +294,6 @@ def contact(
         stiffness.tangential,
         ground.slider_friction,
         branch=branch,
-    )
-    approach = (
-        motion.normal_velocity
-        + soil.kinematics.sinking_arm(base) * motion.angular_velocity,
-        motion.tangential_velocity - base.normal_arm * motion.angular_velocity,
-        motion.angular_velocity,
     )
     return Contact(
         foundation=base,

@@ -13,6 +13,7 @@ from .bearing import (
     BearingFactors,
     Bolton,
     Vesic,
+    VesicWithInertia,
     VesicWithoutDepthFactor,
     VesicWithoutSurcharge,
 )
@@ -97,6 +98,7 @@ __all__ = [
     "SquaredOverstress",
     "Stiffness",
     "Vesic",
+    "VesicWithInertia",
     "VesicWithoutDepthFactor",
     "VesicWithoutSurcharge",
     "WorkConjugate",

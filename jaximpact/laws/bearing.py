@@ -74,6 +74,24 @@ class AbstractBearing(Part):
             branch: the sides taken at switches, if not those where the state is.
         """
 
+    def at_velocity(
+        self,
+        foundation: Foundation,
+        unit_weight_normal: Scalar,
+        factors: Any,
+        velocity: Scalar,
+        density: Scalar,
+        *,
+        branch: Branch | None = None,
+    ) -> Scalar:
+        """Vertical limit load at a velocity of sinking [N]; by default that at rest.
+
+        Args:
+            velocity: of sinking [m/s], negative where the block rises.
+            density: of the ground [kg/m3].
+        """
+        return self(foundation, unit_weight_normal, factors, branch=branch)
+
 
 class BearingFactors(NamedTuple):
     """Quantities of the limit load that depend on the friction angle alone [-]."""
@@ -184,6 +202,40 @@ class Vesic(AbstractBearing):
                 + self.cohesion / unit_weight_normal * cohesive
             )
         )
+
+
+class VesicWithInertia(Vesic):
+    r"""Vesic's limit load, and the inertia of the ground that has to move aside.
+
+    $$ V_M = V_M^{Vesic} + k_\rho\, \rho A \max(v, 0)^2 $$
+
+    with the density $\rho = \gamma/g$ of the ground, the area $A$ of the foundation and
+    the velocity $v$ of sinking. It is a strength: it resists flow and never gives
+    energy. Smooth at $v = 0$ to first order.
+
+    Source: Poncelet's law of penetration. Katsuragi and Durian (2007) measured
+    $m v^2/d_1$ with $d_1$ = 8.7 cm for a steel sphere in glass beads, which is
+    $k_\rho$ = 1.03 on its whole section.
+    """
+
+    ground_inertia: Scalar = parameter(
+        1.0, "-", "[0, inf)", "inertial resistance over density, area and velocity^2"
+    )
+
+    def at_velocity(
+        self,
+        foundation,
+        unit_weight_normal,
+        factors,
+        velocity,
+        density,
+        *,
+        branch=None,
+    ):
+        area = 0.25 * jnp.pi * foundation.length * foundation.width
+        sinking = jnp.maximum(velocity, 0.0)
+        at_rest = self(foundation, unit_weight_normal, factors, branch=branch)
+        return at_rest + self.ground_inertia * density * area * sinking**2
 
 
 class VesicWithoutDepthFactor(Vesic):

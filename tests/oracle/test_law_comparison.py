@@ -19,17 +19,22 @@ from jaximpact import (
     FrictionalEllipsoid,
     Impact,
     PfeifferBowen,
+    Scene,
+    Soil,
+    simulate_batch,
 )
 from jaximpact.calibration import compare
+from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.comparison.comparison import (
     Compared,
     GroupScores,
     compare_study,
 )
-from jaximpact.calibration.comparison.contenders import Contender
+from jaximpact.calibration.comparison.contenders import Contender, contenders_of
 from jaximpact.calibration.comparison.fitted_law import (
     fit_law,
     law_of_json,
+    objective_of,
     predict_law,
 )
 from jaximpact.calibration.comparison.held_out import held_out, log_densities
@@ -450,3 +455,58 @@ def test_parameters_without_influence_do_not_count():
     assert found.law("constant coefficients").count == 1
     assert found.preferred == "constant coefficients"
     assert "e_t without influence" in str(found)
+
+
+# --- Cohesion as a contender
+
+
+def drops(**changed):
+    """Depths of drops, the study's options changed."""
+    options = dict.fromkeys(
+        ("fit", "ground", "block", "targets", "sigma", "scatter", "seed")
+    )
+    tests = {"mass_kg": [100.0, 400.0], "speed_mps": [10.0, 20.0], "e_n": [0.1, 0.2]}
+    return study_given(tests | changed.pop("columns", {}), **(options | changed))
+
+
+def names(study):
+    return [contender.name for contender in contenders_of(None, study)]
+
+
+def test_the_model_is_compared_with_cohesion_unless_the_study_has_it():
+    study = drops()
+    assert names(study)[:2] == ["model", "model with cohesion"]
+    (cohesive,) = contenders_of("Model with cohesion", study)
+    objective = objective_of(study, cohesive)
+    fitted = [one.name for one in objective.study.parameters]
+    assert fitted == ["c_v", "gamma_v", "k_E", "cohesion_kPa"]
+    for changed in (
+        {"fit": ("c_v", "cohesion_kPa")},
+        {"ground": {"cohesion_kPa": 20.0}},
+        {"columns": {"cohesion_kPa": [5.0, 10.0]}},
+    ):
+        stated = drops(**changed)
+        assert "model with cohesion" not in names(stated)
+        with pytest.raises(InputError, match="fits or states cohesion_kPa"):
+            contenders_of("model with cohesion", stated)
+
+
+def test_cohesion_that_made_the_tests_is_found():
+    """Its parameter more is paid for: without it the model ties."""
+    draw = np.random.default_rng(3)
+    mass, speed = np.exp(draw.uniform(0.0, 7.0, 24)), draw.uniform(3.0, 20.0, 24)
+    found = {}
+    for cohesion in (0.0, 60e3):
+        soil = Soil(c_v=0.5, gamma_v=4.0, k_E=400.0, cohesion=cohesion)
+        made = simulate_batch(Scene(Block(mass=mass), soil, Impact(speed=speed)))
+        noise = draw.lognormal(0.0, 0.03, (2, 24))
+        tests = {
+            "mass_kg": mass,
+            "speed_mps": speed,
+            "max_penetration_m": made.max_penetration * noise[0],
+            "max_normal_force_N": made.max_normal_force * noise[1],
+        }
+        found[cohesion] = compare(tests, ["model", "model with cohesion"])
+    assert found[60e3].preferred == "model with cohesion"
+    assert found[60e3].ties == ("model with cohesion",)
+    assert found[0.0].preferred == "model"

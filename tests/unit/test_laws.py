@@ -21,6 +21,7 @@ from jaximpact.laws import (
     NovaMontrasio,
     Stiffness,
     Vesic,
+    VesicWithInertia,
     flow_direction,
     overstress,
     safe_power,
@@ -201,6 +202,23 @@ def test_cohesion_adds_its_own_term():
     expected = area * cohesion * factor * s_c * d_c
     # The difference has lost two digits.
     assert float(found) == pytest.approx(expected, rel=100 * ROUNDING)
+
+
+def test_inertia_is_that_of_katsuragi_s_sphere():
+    """A steel sphere of 69.2 g and 25.4 mm in beads of 1520 kg/m3: m v^2/d_1 with
+    d_1 = 8.7 +- 0.7 cm, on the whole section."""
+    law, base = VesicWithInertia(), footing(0.0254, 0.0254, 0.05)
+    factors = bearing_factors(0.5)
+
+    def limit(velocity):
+        return float(law.at_velocity(base, 1520 * 9.81, factors, velocity, 1520.0))
+
+    at_rest = float(Vesic()(base, 1520 * 9.81, factors))
+    assert limit(0.0) == limit(-2.0) == at_rest
+    assert limit(3.0) - at_rest == pytest.approx(0.0692 * 9.0 / 0.087, rel=0.08)
+    # It begins without a kink.
+    at = jax.grad(law.at_velocity, 3)
+    assert at(base, 1520 * 9.81, factors, 0.0, 1520.0) == 0.0
 
 
 @pytest.mark.parametrize(

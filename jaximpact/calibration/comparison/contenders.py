@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..._checks import expect
 from ...errors import InputError, nearest
 from ...finding import find_class, shipped
-from ...parameters import Part, parts_of
+from ...parameters import Part, declared_of, parts_of
 from ...quantities import BASES, USUAL, shipped_parts
 from ...rebound import (
     AbstractRebound,
@@ -22,7 +22,8 @@ from ...scene_quantities import part_named
 from ..problem.config import Study, Variant
 from ..problem.laws import in_words, unusual
 
-MODEL = "model"
+MODEL, COHESIVE = "model", "model with cohesion"
+COHESION = "cohesion_kPa"
 SOIL_SLOTS = tuple(parts_of(Soil))
 SIMPLE = (ConstantCoefficients, PfeifferBowen)
 """Laws of rebound that stand beside every prediction."""
@@ -38,6 +39,8 @@ class Contender(NamedTuple):
     name: str
     law: type[AbstractRebound] | Variant
     """Class of a law of rebound, or the ground of the model."""
+    more: tuple[str, ...] = ()
+    """Parameters that are fitted beside those of the study."""
 
     @property
     def is_rebound(self) -> bool:
@@ -46,11 +49,13 @@ class Contender(NamedTuple):
 
 
 def default_contenders(study: Study) -> list[Contender]:
-    """List the model as the study has it, its named alternatives, and laws of
-    rebound."""
+    """List the model as the study has it, with cohesion, its named alternatives, and
+    laws of rebound."""
     first = study.variants[0]
     used = {slot: type(part) for slot, part in (study.parts | first.laws).items()}
     contenders = [_of_variant(variant, study) for variant in study.variants]
+    if _may_be_cohesive(study):
+        contenders.append(_cohesive(study))
     contenders += [
         _replacing(first, slot, kind())
         for slot, kind in _laws_of_ground()
@@ -63,10 +68,11 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
     """Resolve the laws that a user names.
 
     Args:
-        laws: each "model"; a law of the ground by its name ("ContactPressureModulus",
-            "my_laws.py:MyFlow", relative to the study) or as an object, which takes the
-            place of the study's; a `Soil`, whose laws do; a law of rebound by its words
-            ("constant coefficients"), its class or "my_laws.py:MyRebound". None for
+        laws: each "model"; "model with cohesion", which is then fitted too; a law of
+            the ground by its name ("ContactPressureModulus", "my_laws.py:MyFlow",
+            relative to the study) or as an object, which takes the place of the
+            study's; a `Soil`, whose laws do; a law of rebound by its words ("constant
+            coefficients"), its class or "my_laws.py:MyRebound". None for
             `default_contenders`.
 
     Raises InputError for a law that is unknown or stands twice.
@@ -113,7 +119,14 @@ def _named(text: str, study: Study) -> list[Contender]:
     several variants."""
     if _folded(text) == MODEL:
         return [_of_variant(variant, study) for variant in study.variants]
-    known = [MODEL]
+    if _folded(text) == _folded(COHESIVE):
+        if not _may_be_cohesive(study):
+            raise InputError(
+                f"{COHESIVE!r} cannot be compared: the study fits or states "
+                f"{COHESION}, or its law of bearing has none"
+            )
+        return [_cohesive(study)]
+    known = [MODEL, COHESIVE]
     for law in shipped(AbstractRebound):
         if _folded(text) in (_folded(law.words), _folded(law.__name__)):
             return [Contender(law.words, law)]
@@ -162,6 +175,19 @@ def _other_base_allowed() -> Iterator[None]:
 def _of_variant(variant: Variant, study: Study) -> Contender:
     name = MODEL if len(study.variants) == 1 else f"{MODEL}, {variant.name}"
     return Contender(name, variant)
+
+
+def _may_be_cohesive(study: Study) -> bool:
+    """Tell whether the ground of a study may have a cohesion that is fitted."""
+    parts = {"bearing": USUAL["bearing"]()} | study.parts | study.variants[0].laws
+    declared = declared_of(type(parts["bearing"])).values()
+    stated = {*study.soil, *study.variants[0].soil, *study.tests.inputs}
+    stated |= {one.name for one in (*study.parameters, *study.tied)}
+    return COHESION in {one.column for one in declared} - stated
+
+
+def _cohesive(study: Study) -> Contender:
+    return Contender(COHESIVE, study.variants[0], (COHESION,))
 
 
 def _replacing(variant: Variant, slot: str, part: Part) -> Contender:

@@ -19,6 +19,7 @@ from ..diagnostics.uncertainty import (
 )
 from ..estimation.sigma import freedom_of_targets, relative_sigma
 from ..problem.config import Study
+from ..problem.fitted_parameters import DEFAULTS, Parameter
 from ..problem.forward_model import models_of
 from ..problem.noise import least_size
 from ..problem.nuisance import EACH_TEST
@@ -113,6 +114,8 @@ def predicted_by_rebound(study: Study) -> tuple[str, ...]:
 def objective_of(study: Study, contender: Contender) -> Objective:
     """Make the objective function of a law for the tests of a study."""
     law = contender.law
+    more = tuple(Parameter(name, **DEFAULTS[name]) for name in contender.more)
+    study = dataclasses.replace(study, parameters=(*study.parameters, *more))
     if not any(law is variant for variant in study.variants):
         study = dataclasses.replace(study, starts=min(study.starts, 16))
     if isinstance(law, type):

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from ...io.toml import (
     Key,
@@ -20,7 +21,7 @@ from .nuisance import EACH_TEST, Nuisance, Prior, pooled_nuisance, read_prior
 
 FITTED = "c_v", "gamma_v", "k_E"
 """Parameters that are fitted by default."""
-DEFAULTS = {
+DEFAULTS: dict[str, dict[str, Any]] = {
     "c_v": {"lower": 0.01, "upper": 10.0},
     "gamma_v": {"lower": 0.05, "upper": 500.0},
     "k_E": {"lower": 10.0, "upper": 1e5},
