@@ -32,10 +32,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path)
     arguments = parser.parse_args()
-    density = MASS / (4.0 / 3.0 * np.pi * RADIUS**3)
-    block = {"mass_kg": MASS, "density_kgm3": density}
-    measured = 0.510 - 0.0375 * SPEEDS + 0.000903 * SPEEDS**2
-    found = compare(block | {"speed_mps": SPEEDS, "e_n": measured}, LAWS)
+    drops = measured_drops()
+    block = {name: drops[name] for name in ("mass_kg", "density_kgm3")}
+    measured = drops["e_n"]
+    found = compare(drops, LAWS)
     print(found)
     for law in found.compared.laws:
         print(f"{law.name}: rms {law.rms[0]:.3f}, left out {law.rms_left_out[0]:.3f}")
@@ -43,6 +43,14 @@ def main() -> None:
         _explain(name, found.law(name).parameters, block)
     if arguments.out:
         in_style(_draw)(found, measured, arguments.out)
+
+
+def measured_drops() -> dict:
+    """Columns of the drops, as the law has them."""
+    density = MASS / (4.0 / 3.0 * np.pi * RADIUS**3)
+    measured = 0.510 - 0.0375 * SPEEDS + 0.000903 * SPEEDS**2
+    block = {"mass_kg": MASS, "density_kgm3": density}
+    return block | {"speed_mps": SPEEDS, "e_n": measured}
 
 
 def _explain(name: str, parameters: dict[str, float], block: dict) -> None:
