@@ -186,7 +186,10 @@ def test_every_law_that_the_package_has_besides_the_usual_ones_is_a_reading():
         for slot, name in reading.values.items()
         if slot in SLOTS
     }
-    assert named == {(slot, kind.__name__) for slot, kind in other_laws()}
+    # For grounds that the paper does not write of, chosen by measurements.
+    beside = {("bearing", "VesicWithInertia")}
+    assert named | beside == {(slot, kind.__name__) for slot, kind in other_laws()}
+    assert not named & beside
 
 
 def test_what_moves_a_claim_is_named_with_the_nearest():
