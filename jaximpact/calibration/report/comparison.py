@@ -72,7 +72,9 @@ def worse_than_others(compared: Compared, variant: Variant) -> list[str]:
         f"less than that of {names[ranking.best]}. Predict with "
         f"{names[ranking.preferred]}."
         for place, law in enumerate(compared.laws)
-        if law.contender.law is variant and place not in ranking.ties
+        if law.contender.law is variant
+        and not law.contender.more
+        and place not in ranking.ties
     ]
 
 
