@@ -8,7 +8,6 @@ are those of `e_n_against_speed`, the others the studies of `calibration/`.
 """
 
 import argparse
-import dataclasses
 from pathlib import Path
 from typing import NamedTuple
 
@@ -80,18 +79,13 @@ def study_of_campaign(campaign: str, ground: Ground):
     from jaximpact.calibration.arguments import study_given
     from jaximpact.calibration.problem.config import read_study
 
-    fit, rest = (
-        ("c_v", "gamma_v", "k_E", *ground.more),
-        dict.fromkeys(("block", "targets", "sigma", "scatter", "seed")),
-    )
-    if campaign == "golf":
-        return study_given(measured_drops(), fit, ground.laws, **rest)
-    shipped = read_study(CALIBRATION / campaign / "study.toml")
-    tests = CALIBRATION / campaign / "tests.csv"
-    return dataclasses.replace(
-        study_given(tests, fit, shipped.soil | ground.laws, **rest),
-        title=shipped.title,
-    )
+    tests, soil = measured_drops(), {}
+    if campaign != "golf":
+        tests = CALIBRATION / campaign / "tests.csv"
+        soil = read_study(CALIBRATION / campaign / "study.toml").soil
+    fit = "c_v", "gamma_v", "k_E", *ground.more
+    others = dict.fromkeys(("block", "targets", "sigma", "scatter", "seed"))
+    return study_given(tests, fit, soil | ground.laws, **others)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ from ..impact.results import (
 )
 from ..scene import Scene, shape_of
 from . import NATIVE, Engine
-from .native_backend import compile_native, computes_on_cpu
+from .native_backend import compile_side_by_side, computes_on_cpu
 from .rows import Request, columns_of, request, values_of
 from .simd import KernelSet
 
@@ -107,7 +107,7 @@ def solve_recorded(
     assembly = assemble(scene)
     kernel = None
     if engine.is_machine_code and computes_on_cpu():
-        kernel = compile_native(assembly, sampled=True)
+        (kernel,) = compile_side_by_side([assembly], sampled=True)
     if kernel is None:
         from .xla_backend import record_by_xla  # loads diffrax, which takes a while
 

@@ -3,7 +3,6 @@
 They are imported only to compile: code that is kept on disk runs without them.
 """
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import jax
@@ -32,8 +31,8 @@ def code_of_lanes(assembly: Assembly, directions: int, sampled: bool) -> Code:
     functions = LaneFunctions(lanes.begin, lanes.step, lanes.finish, *sampling)
     derivatives = None
     if directions:
-        varied = range(leaves)
-        derivatives = Derivatives(directions, varied, _changing(lanes, inputs, varied))
+        changing = _changing(lanes, inputs, leaves)
+        derivatives = Derivatives(directions, range(leaves), changing)
     return compile_code(functions, inputs, derivatives)
 
 
@@ -60,11 +59,11 @@ class _Lanes(NamedTuple):
         return sample_lanes(lanes, times)
 
 
-def _changing(lanes: _Lanes, inputs, varied: Iterable[int]) -> list[int]:
-    """Return the leaves of lanes that change with any of some leaves of their inputs,
-    in their state or, as constants, from the start."""
+def _changing(lanes: _Lanes, inputs, leaves: int) -> list[int]:
+    """Return the leaves of lanes that change with any of the first leaves of their
+    inputs, those of the scene, in their state or, as constants, from the start."""
     traced, at_start = jax.make_jaxpr(lanes.begin, return_shape=True)(inputs)
-    of_inputs = [place in varied for place in range(len(traced.in_avals))]
+    of_inputs = [place < leaves for place in range(len(traced.in_avals))]
     from_start = depends(traced.jaxpr, of_inputs)
     state = {id(leaf) for leaf in jax.tree.leaves(at_start.state)}
     constants = {id(leaf) for leaf in jax.tree.leaves(at_start.problem)}

@@ -1,5 +1,7 @@
 """The native backend: the model in machine code, for lanes on a CPU."""
 
+import concurrent.futures
+import contextvars
 import functools
 import hashlib
 import inspect
@@ -7,13 +9,14 @@ import os
 import pickle
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import jax
 
 from .._packages import versions
+from .._settings import own_transfers
 from ..accuracy import MAX_STEPS, RETRIES
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..identity import clear_when_edited, described, heed_edits, tracing, users_code
@@ -26,8 +29,8 @@ from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_objects
 keep_objects(kept)
 
 MOST_DIRECTIONS = 3
-"""Derivatives that share a run of an impact. Each costs some two thirds of the value;
-more of them take longer to compile than they save."""
+"""Derivatives that share a run of an impact. Each costs some three quarters of the
+value; more of them take longer to compile than they save."""
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
 """Environment variable; where it is set, XLA does not stand in for machine code."""
 
@@ -118,6 +121,31 @@ def compile_native(
         RETRIES,
     )
     return Kernel(code, jax.tree.structure(results), retries)
+
+
+def compile_side_by_side(
+    assemblies: Sequence[Assembly], differentiated: bool = False, sampled: bool = False
+) -> list[Kernel | None]:
+    """Compile assemblies of one structure as `compile_native` does, the largest model
+    first: while LLVM compiles one of them in other processes, the next one is traced.
+
+    Even a single one is traced in a thread of its own. Deep in the calls of JAX,
+    Python 3.11 and later come to a point at which each further call asks the system for
+    memory and gives it back, which makes tracing half as slow again.
+    """
+    structure = assemblies[0].structure
+    context = contextvars.copy_context()
+
+    def compile_in_thread(assembly: Assembly) -> Kernel | None:
+        with jax.enable_x64(True), own_transfers():
+            return context.copy().run(compile_native, assembly, differentiated, sampled)
+
+    # What a user's law changes as it is traced must not meet another trace.
+    tree = jax.tree.unflatten(structure, range(structure.num_leaves))
+    threads = 1 if users_code(tree) else len(assemblies)
+    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+        kernels = pool.map(compile_in_thread, reversed(assemblies))
+        return list(kernels)[::-1]
 
 
 def without_machine_code(problem: NoMachineCode) -> None:

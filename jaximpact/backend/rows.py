@@ -9,7 +9,6 @@ with diffrax, and is also the second way, by which the machine code can be check
 """
 
 import concurrent.futures
-import contextvars
 import functools
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -22,18 +21,17 @@ from jax.custom_derivatives import SymbolicZero
 
 from .._jax_internals import Tracer, namespace_of, number_in
 from .._precision import float64_leaf
-from .._settings import own_transfers
 from .._types import Structure
 from ..accuracy import Accuracy
-from ..identity import clear_when_edited, heed_edits, tracing, users_code
+from ..identity import clear_when_edited, heed_edits, tracing
 from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, exact_models
 from ..impact.results import Solution, empty_history, empty_summary
 from ..scene import Scene
 from . import MACHINE_CODE, NATIVE, XLA, Engine
-from .native_backend import MOST_DIRECTIONS, compile_native, computes_on_cpu
+from .native_backend import MOST_DIRECTIONS, compile_side_by_side, computes_on_cpu
 from .operation import call
-from .simd import Kernel, KernelSet
+from .simd import KernelSet
 from .threads import thread_count
 
 LANES_OF_XLA = 512
@@ -396,37 +394,12 @@ def _kernels(
     key = structure, ledger, sampled, possible, varied
     if key not in _kernel_sets:
         assemblies = [Assembly(structure, MODELS[k], ledger) for k in possible]
-        compiled = _compiled(assemblies, varied, sampled)
+        compiled = compile_side_by_side(assemblies, varied, sampled)
         kernels = [kernel for kernel in compiled if kernel is not None]
         if len(kernels) < len(assemblies):
             return None
         _kernel_sets[key] = KernelSet(kernels, MOST_DIRECTIONS if varied else 0)
     return _kernel_sets[key]
-
-
-def _compiled(
-    assemblies: Sequence[Assembly], varied: bool, sampled: bool
-) -> list[Kernel | None]:
-    """Compile assemblies, the largest model first: while LLVM compiles one of them in
-    other processes, the next one is traced.
-
-    Even a single one is traced in a thread of its own. Deep in the calls of JAX,
-    Python 3.11 and later come to a point at which each further call asks the system for
-    memory and gives it back, which makes tracing half as slow again.
-    """
-    structure = assemblies[0].structure
-    context = contextvars.copy_context()
-
-    def compile_in_thread(assembly: Assembly) -> Kernel | None:
-        with jax.enable_x64(True), own_transfers():
-            return context.copy().run(compile_native, assembly, varied, sampled)
-
-    # What a user's law changes as it is traced must not meet another trace.
-    tree = jax.tree.unflatten(structure, range(structure.num_leaves))
-    threads = 1 if users_code(tree) else len(assemblies)
-    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-        kernels = pool.map(compile_in_thread, reversed(assemblies))
-        return list(kernels)[::-1]
 
 
 def _by_xla(

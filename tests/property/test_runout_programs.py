@@ -136,7 +136,6 @@ def test_a_study_in_a_second_process_compiles_nothing(tmp_path):
 import jax, sys
 jax.config.update("jax_enable_x64", True)
 from jaximpact.backend.simd import kernel
-from jaximpact.backend.simd.object_files import lanes_for, module_of
 from jaximpact.runout import read_slope_study, run_slope_study
 compile_functions, made = kernel.compile_functions, []
 kernel.compile_functions = lambda *x: made.append(x) or compile_functions(*x)

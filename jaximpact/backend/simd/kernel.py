@@ -153,10 +153,10 @@ def _compiled(
     begin, state = jax.make_jaxpr(functions.begin, return_shape=True)(inputs)
     step = jax.make_jaxpr(functions.step)(state)
     finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(inputs, state)
-    sampled = functions.sample is not None and functions.time is not None
-    along = derivatives or Derivatives(1, (), ())
-    layout = _Layout(along.directions if derivatives else 0)
-    at_inputs = layout.allot(inputs, along.inputs, more=1 if sampled else 0)
+    along = derivatives or Derivatives(0, (), ())
+    layout = _Layout(along.directions)
+    more = 0 if functions.sample is None else 1  # the time's
+    at_inputs = layout.allot(inputs, along.inputs, more)
     at_state = layout.allot(state, along.state)
     at_results = layout.allot(results)
     to_write = [
@@ -203,7 +203,7 @@ class _Part(NamedTuple):
     shapes: list[tuple[int, ...]]
     varied: Sequence[int]
     """Leaves that have derivatives."""
-    slopes: int
+    tangents: int
     """First row of the derivatives of the first direction."""
     stride: int
     """Rows from those of a direction to those of the next."""
@@ -224,9 +224,9 @@ class _Part(NamedTuple):
         chosen = choose(jax.tree.unflatten(structure, range(len(leaves))))
         return self.start + sum(map(math.prod, self.shapes[:chosen]))
 
-    def rows_of_slopes(self) -> dict[int, int]:
+    def rows_of_tangents(self) -> dict[int, int]:
         """Find the first row of each leaf's derivative along the first direction."""
-        rows, row = {}, self.slopes
+        rows, row = {}, self.tangents
         for leaf in self.varied:
             rows[leaf] = row
             row += math.prod(self.shapes[leaf])
@@ -247,9 +247,9 @@ class _Layout:
             varied = range(len(shapes))
         if not self.directions:
             varied, more = (), 0
-        slopes = self.rows + sum(map(math.prod, shapes))
+        tangents = self.rows + sum(map(math.prod, shapes))
         stride = sum(math.prod(shapes[leaf]) for leaf in varied) + more
-        part = _Part(self.rows, shapes, varied, slopes, stride, self.directions)
+        part = _Part(self.rows, shapes, varied, tangents, stride, self.directions)
         self.rows += part.rows
         return part
 
@@ -260,8 +260,8 @@ class _Layout:
         self.rows += 1
         if not self.directions:
             return part
-        slopes, stride = inputs.slopes + inputs.stride - 1, inputs.stride
-        return part._replace(varied=(0,), slopes=slopes, stride=stride)
+        tangents, stride = inputs.tangents + inputs.stride - 1, inputs.stride
+        return part._replace(varied=(0,), tangents=tangents, stride=stride)
 
 
 def _written(
@@ -286,11 +286,11 @@ def _written(
 
     arguments = []
     for part in sources:
-        row, slopes = part.start, part.rows_of_slopes()
+        row, tangents = part.start, part.rows_of_tangents()
         for leaf, shape in enumerate(part.shapes):
             values = inputs(row, shape, NUMPY[next(kinds).dtype.kind])
-            slope = inputs(slopes[leaf], shape, FLOAT) if leaf in slopes else None
-            arguments.append(Dual(values, slope))
+            tangent = inputs(tangents[leaf], shape, FLOAT) if leaf in tangents else None
+            arguments.append(Dual(values, tangent))
             row += math.prod(shape)
     results = Translator(graph).run(traced.jaxpr, traced.consts, arguments)
     said: Value = False
@@ -299,25 +299,25 @@ def _written(
         said = truth.values.item()
 
     def row_along(row: int, direction: int) -> int:
-        strides = (p.stride for p in sources if 0 <= row - p.slopes < p.stride)
+        strides = (p.stride for p in sources if 0 <= row - p.tangents < p.stride)
         return row + direction * next(strides, 0)
 
     directions = max(layout.directions, 1)
     others = graph.repeat(directions, row_along)
     outputs, remaining = [], iter(results)
     for part in targets:
-        row, slopes = part.start, part.rows_of_slopes()
+        row, tangents = part.start, part.rows_of_tangents()
         for leaf, shape in enumerate(part.shapes):
             result = next(remaining)
             outputs += map(Output, count(row), result.values.ravel())
             row += math.prod(shape)
-            if leaf not in slopes:
+            if leaf not in tangents:
                 continue
-            slope = np.zeros(shape) if result.slope is None else result.slope
-            first = slope.ravel().tolist()
-            outputs += map(Output, count(slopes[leaf]), first)
+            tangent = np.zeros(shape) if result.tangent is None else result.tangent
+            first = tangent.ravel().tolist()
+            outputs += map(Output, count(tangents[leaf]), first)
             for direction, other in enumerate(others, 1):
-                start = slopes[leaf] + direction * part.stride
+                start = tangents[leaf] + direction * part.stride
                 along = [other.get(id(value), value) for value in first]
                 outputs += map(Output, count(start), along)
     # What is in its row already stays there.

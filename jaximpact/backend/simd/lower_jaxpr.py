@@ -71,11 +71,11 @@ class NoMachineCode(NotImplementedError):
 
 
 class Dual(NamedTuple):
-    """An array, and its derivative along a direction; None where that is zero by
-    structure."""
+    """An array, and its tangent: the derivative along a direction; None where that is
+    zero by structure."""
 
     values: Values
-    slope: Values | None = None
+    tangent: Values | None = None
 
 
 class Translator:
@@ -98,7 +98,7 @@ class Translator:
     def outputs(self, equation, operands: list[Dual]) -> list[Dual]:
         """Compute the outputs of one equation; an error names its place."""
         name, inner = equation.primitive.name, called(equation)
-        varied = any(operand.slope is not None for operand in operands)
+        varied = any(operand.tangent is not None for operand in operands)
         try:
             if name == "scan":
                 return self.scan(equation, operands)
@@ -114,7 +114,7 @@ class Translator:
                 results = list(map(_as_array, self.apply(equation, values)))
             if not varied or name == "stop_gradient":
                 return list(map(Dual, results))
-            return list(map(Dual, results, self.slopes(equation, operands)))
+            return list(map(Dual, results, self.tangents(equation, operands)))
         except NoMachineCode as problem:
             problem.place = problem.place or place_of(equation)
             raise
@@ -148,22 +148,22 @@ class Translator:
             raise NoMachineCode(f"no native code for the primitive '{name}'")
         return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
 
-    def slopes(self, equation, operands: list[Dual]) -> list[Values | None]:
+    def tangents(self, equation, operands: list[Dual]) -> list[Values | None]:
         """Compute the derivatives of the outputs of one equation, one of whose operands
         has a derivative."""
         is_float = [np.issubdtype(v.aval.dtype, np.floating) for v in equation.outvars]
         if not any(is_float):
             return [None] * len(is_float)
         if equation.primitive.name in STRUCTURE:
-            slopes = [
-                _slope_of(operand) if _is_float(atom) else operand.values
+            tangents = [
+                _tangent_of(operand) if _is_float(atom) else operand.values
                 for operand, atom in zip(operands, equation.invars, strict=True)
             ]
-            return list(map(_as_array, self.apply(equation, slopes)))
-        varied = tuple(k for k, x in enumerate(operands) if x.slope is not None)
+            return list(map(_as_array, self.apply(equation, tangents)))
+        varied = tuple(k for k, x in enumerate(operands) if x.tangent is not None)
         rule = _rule_of(equation, varied)
         given = [Dual(operand.values) for operand in operands]
-        given += [Dual(_slope_of(operands[k])) for k in varied]
+        given += [Dual(_tangent_of(operands[k])) for k in varied]
         try:
             results = iter(self.run(rule.jaxpr, rule.consts, given))
         except NoMachineCode as problem:
@@ -342,25 +342,25 @@ def _is_float(atom) -> bool:
     return np.issubdtype(atom.aval.dtype, np.floating)
 
 
-def _slope_of(operand: Dual) -> Values:
+def _tangent_of(operand: Dual) -> Values:
     """Return the derivative of an operand, zeros where it has none."""
-    if operand.slope is not None:
-        return operand.slope
+    if operand.tangent is not None:
+        return operand.tangent
     return _each(lambda _: 0.0, operand.values)
 
 
 def _turn(series: Dual, turn: int) -> Dual:
     """Take what a turn of a loop is given of a series."""
-    slope = None if series.slope is None else _as_array(series.slope[turn])
-    return Dual(_as_array(series.values[turn]), slope)
+    tangent = None if series.tangent is None else _as_array(series.tangent[turn])
+    return Dual(_as_array(series.values[turn]), tangent)
 
 
 def _stacked(turns: Sequence[Dual]) -> Dual:
     """Put what the turns of a loop gave into one array."""
     values = np.stack([turn.values for turn in turns])
-    if all(turn.slope is None for turn in turns):
+    if all(turn.tangent is None for turn in turns):
         return Dual(values)
-    return Dual(values, np.stack([_slope_of(turn) for turn in turns]))
+    return Dual(values, np.stack([_tangent_of(turn) for turn in turns]))
 
 
 _rules: dict = {}
@@ -381,8 +381,8 @@ def _rule_of(equation, varied: tuple[int, ...]):
     except TypeError:  # of parameters without a hash
         is_alone = True
 
-    def slopes_of(*operands_and_slopes):
-        operands = operands_and_slopes[: len(avals)]
+    def tangents_of(*operands_and_tangents):
+        operands = operands_and_tangents[: len(avals)]
 
         def of_varied(*values):
             given = dict(zip(varied, values, strict=True))
@@ -390,11 +390,11 @@ def _rule_of(equation, varied: tuple[int, ...]):
             return [x for x in results if jnp.issubdtype(x.dtype, jnp.floating)]
 
         at = [operands[k] for k in varied]
-        return jax.jvp(of_varied, at, list(operands_and_slopes[len(avals) :]))[1]
+        return jax.jvp(of_varied, at, list(operands_and_tangents[len(avals) :]))[1]
 
-    of_slopes = [avals[k] for k in varied]
-    structs = [jax.ShapeDtypeStruct(x.shape, x.dtype) for x in [*avals, *of_slopes]]
-    rule = jax.make_jaxpr(slopes_of)(*structs)
+    of_tangents = [avals[k] for k in varied]
+    structs = [jax.ShapeDtypeStruct(x.shape, x.dtype) for x in [*avals, *of_tangents]]
+    rule = jax.make_jaxpr(tangents_of)(*structs)
     if not is_alone:
         _rules[key] = rule
     return rule
