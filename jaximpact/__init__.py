@@ -19,6 +19,8 @@ __all__ = sorted(_PLACES)  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str):
+    if name == "__version__":
+        return importlib.import_module("._packages", __name__).version_of(__name__)
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module = importlib.import_module(f".{_PLACES[name]}", __name__)

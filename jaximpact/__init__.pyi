@@ -27,6 +27,8 @@ from .sensitivity import Range, elasticities, morris, sobol
 from .simulation import simulate
 from .sweeping import sweep
 
+__version__: str
+
 __all__ = [
     "PRESETS",
     "Accuracy",

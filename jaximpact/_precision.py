@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ._jax_internals import Tracer, setting
 from ._settings import own_transfers
+from ._types import Number
 
 MESSAGE = (
     "jaximpact computes in float64, but JAX is set to float32: call "
@@ -23,7 +24,7 @@ def require_float64() -> None:
         raise RuntimeError(MESSAGE)
 
 
-def float64_leaf(value) -> Float[Array, "..."]:
+def float64_leaf(value: Number) -> Float[Array, "..."]:
     """Return `value` as a float64 array: the converter of every parameter field.
 
     A plain number stays a concrete array even inside `jax.jit`, so that a simulation

@@ -9,6 +9,7 @@ import dataclasses
 import functools
 import inspect
 import math
+import warnings
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 import equinox as eqx
@@ -19,7 +20,8 @@ from ._checks import real_numbers
 from ._jax_internals import Tracer
 from ._precision import float64_leaf
 from ._tables import Row, html_table
-from .errors import InputError, nearest
+from ._types import Number, Shown
+from .errors import InputError, UnusualValueWarning, nearest
 from .finding import find_part
 from .units import SIZES, SUFFIXES
 
@@ -155,17 +157,21 @@ TABLE_HEADING = (
 """Line above the table of parameters in the docstring of a class."""
 
 
+def _fields_being_made(kind: type) -> dict[str, dataclasses.Field]:
+    """Return the fields of a class being made, which is no dataclass yet."""
+    fields = dict(getattr(kind, "__dataclass_fields__", {}))
+    own = {n: f for n, f in vars(kind).items() if isinstance(f, dataclasses.Field)}
+    return fields | own
+
+
 def _add_table(kind: type) -> None:
     """Add a table of the parameters to the docstring of a class being made.
 
-    The class is no dataclass yet, and its fields are where dataclasses looks for them.
     Not when it is asked for: `help` takes a docstring that is no plain text for none.
     """
     if kind.__doc__ is None:
         return
-    fields = dict(getattr(kind, "__dataclass_fields__", {}))
-    fields |= {n: f for n, f in vars(kind).items() if isinstance(f, dataclasses.Field)}
-    rows = []
+    fields, rows = _fields_being_made(kind), []
     for name, field in fields.items():
         if declared := field.metadata.get("declared"):
             rows.append(_declared_cells(name, declared))
@@ -180,6 +186,38 @@ def _add_table(kind: type) -> None:
     rows.insert(1, tuple("-" * width for width in widths))
     table = "\n".join(f"| {' | '.join(map(str.ljust, r, widths))} |" for r in rows)
     kind.__doc__ = f"{inspect.cleandoc(kind.__doc__)}\n\n{TABLE_HEADING}\n\n{table}\n"
+
+
+def _signature(kind: type) -> inspect.Signature:
+    """Make the signature of a composite being made: its own fields by place or name,
+    the parameters of its usual parts by name, and those of other parts."""
+    own: list[tuple] = [("self", inspect.Parameter.empty, inspect.Parameter.empty)]
+    of_parts: list[tuple] = []
+    for name, field in _fields_being_made(kind).items():
+        if declared := field.metadata.get("declared"):
+            own.append((name, declared.si_default, Number))
+        elif "base" in field.metadata:
+            usual = cast(type[Part], field.default_factory)
+            base = field.metadata["base"]
+            own.append((name, Shown(f"{usual.__name__}()"), base | str))
+            of_parts += [
+                (name, said.si_default, Number)
+                for name, said in declared_of(usual).items()
+            ]
+    parameters = [
+        inspect.Parameter(name, how, default=default, annotation=annotation)
+        for how, entries in (
+            (inspect.Parameter.POSITIONAL_OR_KEYWORD, own),
+            (inspect.Parameter.KEYWORD_ONLY, of_parts),
+        )
+        for name, default, annotation in entries
+    ]
+    if of_parts:
+        others = inspect.Parameter.VAR_KEYWORD
+        parameters.append(
+            inspect.Parameter("of_other_parts", others, annotation=Number)
+        )
+    return inspect.Signature(parameters)
 
 
 def _declared_cells(name: str, said: Declared) -> tuple[str, ...]:
@@ -308,6 +346,14 @@ class Composite(Module):
     def __init_subclass__(cls, **arguments):
         super().__init_subclass__(**arguments)
         _add_table(cls)
+
+        @functools.wraps(Composite.__init__)
+        def init(self, *values, **named):
+            Composite.__init__(self, *values, **named)
+
+        # Equinox reads the signature of a class off its `__init__`.
+        init.__signature__ = _signature(cls)  # pyright: ignore[reportAttributeAccessIssue]
+        cls.__init__ = init
 
     def __init__(self, *values, **named):
         kind = type(self)
@@ -446,7 +492,25 @@ def _check_fields(kind: type[Part]) -> None:
 def _check(kind: type, name: str, value) -> None:
     # Most values are floats, and numbers for sure.
     if type(value) is not float:
-        real_numbers(f"{kind.__name__}.{name}", value)
+        value = real_numbers(f"{kind.__name__}.{name}", value)
+    declared = declared_of(kind).get(name)
+    # To look at an array of JAX would wait for it, or fail while it is traced.
+    if declared and declared.unit == "deg" and not isinstance(value, jax.Array):
+        _check_radians(f"{kind.__name__}.{name}", declared, value)
+
+
+def _check_radians(place: str, declared: Declared, value) -> None:
+    """Warn of angles that were likely given in degrees."""
+    ranges = _ends(place, declared.range), declared.usual
+    largest = min(max(map(abs, ends)) for ends in ranges)
+    size = np.max(np.abs(value), initial=0.0)
+    if size > math.radians(largest) * (1.0 + 1e-9):
+        text = (
+            f"{place} is in radians, and {size:.6g} rad are {math.degrees(size):.4g} "
+            f"deg, beyond {largest:g} deg; for degrees, write math.radians({size:.6g})"
+        )
+        # Of the caller of a class, behind what Equinox and this module do
+        warnings.warn(UnusualValueWarning(text, declared.column), stacklevel=7)
 
 
 def _unusual_parts(whole: Composite) -> str:

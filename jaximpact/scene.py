@@ -1,6 +1,7 @@
 """Block, soil, impact, and the scene of all three; selections of many scenes."""
 
 import dataclasses
+from typing import TYPE_CHECKING, Any
 
 import equinox as eqx
 import jax
@@ -62,6 +63,44 @@ class Soil(Composite):
         laws.AbstractKinematics, laws.DeepestPoint
     )
 
+    if TYPE_CHECKING:  # what the signature says at run time, for editors
+
+        def __init__(
+            self,
+            unit_weight: Any = ...,
+            friction_angle: Any = ...,
+            relative_density: Any = ...,
+            elasticity: Any = ...,
+            damping: Any = ...,
+            peak_friction: Any = ...,
+            bearing: Any = ...,
+            loading_surface: Any = ...,
+            flow: Any = ...,
+            hardening: Any = ...,
+            slider: Any = ...,
+            kinematics: Any = ...,
+            *,
+            k_E: Any = ...,
+            n_E: Any = ...,
+            poisson: Any = ...,
+            S_ef: Any = ...,
+            eta_N: Any = ...,
+            eta_T: Any = ...,
+            eta_R: Any = ...,
+            delta_1: Any = ...,
+            delta_2: Any = ...,
+            cohesion: Any = ...,
+            beta: Any = ...,
+            psi: Any = ...,
+            gamma_v: Any = ...,
+            dilatancy: Any = ...,
+            c_v: Any = ...,
+            alpha_vT: Any = ...,
+            alpha_vR: Any = ...,
+            alpha_s: Any = ...,
+            **of_other_parts: Any,
+        ) -> None: ...
+
     @classmethod
     def very_dense_sand(cls) -> "Soil":
         """Return the very dense sand of Dattola, Crosta and di Prisco (2023), Table 1:
@@ -107,6 +146,19 @@ class Block(Composite):
         usual=(100.0, 2e4),
     )
     shape: AbstractShape = part(AbstractShape, Ellipsoid)
+
+    if TYPE_CHECKING:  # what the signature says at run time, for editors
+
+        def __init__(
+            self,
+            mass: Any = ...,
+            density: Any = ...,
+            shape: Any = ...,
+            *,
+            aspect_ratio: Any = ...,
+            out_of_plane_ratio: Any = ...,
+            **of_other_parts: Any,
+        ) -> None: ...
 
     @property
     def semi_axes(self) -> SemiAxes:
@@ -161,6 +213,17 @@ class Impact(Composite):
         usual=(-3e4, 3e4),
     )
     slope: Float[Array, ""] = parameter(0.0, "deg", "(-90, 90)", "slope angle")
+
+    if TYPE_CHECKING:  # what the signature says at run time, for editors
+
+        def __init__(
+            self,
+            speed: Any = ...,
+            angle: Any = ...,
+            orientation: Any = ...,
+            angular_velocity: Any = ...,
+            slope: Any = ...,
+        ) -> None: ...
 
     @classmethod
     def from_degrees(

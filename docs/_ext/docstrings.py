@@ -15,7 +15,13 @@ from pathlib import Path
 
 from sphinx.util.docutils import SphinxDirective
 
-from jaximpact.parameters import TABLE_HEADING, declared_of
+from jaximpact.parameters import (
+    TABLE_HEADING,
+    Declared,
+    declared_of,
+    default_part,
+    parts_of,
+)
 
 BLOCK = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
 CODE = re.compile(r"``?([^`\n]+(?:\n[^`\n]+)?)``?")
@@ -74,22 +80,27 @@ def parameter_table(kind: type) -> str:
     """What a class of laws, shapes or parts of the scene declares."""
     if not (inspect.isclass(kind) and dataclasses.is_dataclass(kind)):
         return ""
-    rows = [
-        (
-            f"`{name}`",
-            f"`{said.column}`",
-            said.meaning,
-            said.unit.replace("-", r"\-"),
-            "" if math.isnan(said.default) else f"{said.default:g}",
-            said.range,
-        )
-        for name, said in declared_of(kind).items()
-    ]
+    rows = [_cells(name, said) for name, said in declared_of(kind).items()]
+    for slot in parts_of(kind):
+        usual = default_part(kind, slot)
+        rows.append((f"`{slot}`", f"`{slot}`", f"`{usual.__name__}`", "", "", ""))
+        rows += [_cells(name, said) for name, said in declared_of(usual).items()]
     if not rows:
         return ""
     rows.insert(0, ("parameter", "in files", "meaning", "unit", "default", "range"))
     body = "".join("\n   * - " + "\n     - ".join(row) for row in rows)
     return f"\n\n.. list-table::\n   :header-rows: 1\n{body}\n"
+
+
+def _cells(name: str, said: Declared) -> tuple[str, ...]:
+    return (
+        f"`{name}`",
+        f"`{said.column}`",
+        said.meaning,
+        said.unit.replace("-", r"\-"),
+        "" if math.isnan(said.default) else f"{said.default:g}",
+        said.range,
+    )
 
 
 class Api(SphinxDirective):

@@ -1,16 +1,21 @@
 """A scene: one way in for all functions, its parts, and grounds that have names."""
 
+import ast
+import inspect
 import math
 import pickle
+from importlib import metadata
 from pathlib import Path
 
 import jax
 import numpy as np
 import pytest
 
+import jaximpact
 from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
-from jaximpact.errors import InputError
+from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.io.toml import read_scene, scene_from
+from jaximpact.parameters import declared_of, parts_of
 from jaximpact.quantities import INPUT_COLUMNS, columns_of, leaf_places
 from jaximpact.scene_quantities import scene_of_values, scene_values
 
@@ -139,3 +144,59 @@ def test_a_scene_may_be_part_of_a_file():
     assert float(scene.block.mass) == 3.0
     with pytest.raises(InputError, match="key axis: is unknown; did you mean axes"):
         scene_from(path, {"axis": {}}, others=("axes",))
+
+
+@pytest.mark.parametrize("kind", [Soil, Block, Impact])
+def test_signatures_name_every_parameter(kind):
+    """For `help` and notebooks, and in the source for editors."""
+    told = inspect.signature(kind).parameters
+    whole = kind()
+    for name in {**declared_of(kind), **parameters_of_parts(whole)}:
+        assert told[name].default == float(getattr(whole, name))
+    for slot in parts_of(kind):
+        assert repr(told[slot].default) == f"{type(getattr(whole, slot)).__name__}()"
+    tree = ast.parse(Path(inspect.getsourcefile(kind)).read_text(encoding="utf-8"))
+    (stub,) = (
+        node.args
+        for of_kind in ast.walk(tree)
+        if isinstance(of_kind, ast.ClassDef) and of_kind.name == kind.__name__
+        for node in ast.walk(of_kind)
+        if isinstance(node, ast.FunctionDef) and node.name == "__init__"
+    )
+    named = [a.arg for a in (*stub.args[1:], *stub.kwonlyargs, stub.kwarg) if a]
+    assert named == [*told]
+
+
+def parameters_of_parts(whole):
+    parts = (getattr(whole, slot) for slot in parts_of(type(whole)))
+    return {
+        name: said for part in parts for name, said in declared_of(type(part)).items()
+    }
+
+
+@pytest.mark.filterwarnings("always::jaximpact.errors.UnusualValueWarning")
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Soil(friction_angle=30), "30 rad are 1719 deg, beyond 60 deg"),
+        (lambda: Impact(angle=-45.0), r"write math.radians\(45\)"),
+        (lambda: Impact(slope=[0.1, 30]), "Impact.slope is in radians"),
+        (lambda: Impact(orientation=np.float64(45)), "beyond 360 deg"),
+    ],
+)
+def test_degrees_in_place_of_radians_are_warned_of_where_they_are_given(make, said):
+    with pytest.warns(UnusualValueWarning, match=said) as caught:
+        make()
+    assert [warned.filename for warned in caught] == [__file__]
+
+
+@pytest.mark.filterwarnings("error::jaximpact.errors.UnusualValueWarning")
+def test_radians_are_not_warned_of():
+    """Nor angles that are traced: they cannot be looked at."""
+    Soil(friction_angle=math.radians(59.0))
+    Impact.from_degrees(angle=-90.0, orientation=360.0, slope=90.0)
+    assert jax.grad(lambda angle: Impact(angle=angle).angle)(45.0) == 1.0
+
+
+def test_version():
+    assert jaximpact.__version__ == metadata.version("jaximpact")
