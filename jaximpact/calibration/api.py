@@ -2,7 +2,7 @@
 
 import dataclasses
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -193,6 +193,13 @@ def calibrate(
     targets: Iterable[str] | None = None,
     sigma: Mapping[str, float] | None = None,
     scatter: str | Mapping[str, str] | None = None,
+    weights: Mapping[str, float] | None = None,
+    loss: str | None = None,
+    nuisance: Mapping[str, Mapping] | None = None,
+    variants: Sequence[Mapping] | None = None,
+    starts: int | None = None,
+    method: str | None = None,
+    accuracy: str | None = None,
     out: str | os.PathLike | None = None,
     seed: int | None = None,
     progress: Progress | ProgressFunction | None = None,
@@ -220,6 +227,19 @@ def calibrate(
         scatter: "constant" or "proportional", one for all targets whose sigma is
             estimated, or of each: whether sigma is the same in all tests, or the same
             fraction of the value. Default: "constant".
+        weights: weight of a target's losses. Default: 1.
+        loss: "gaussian", or for tests with outliers "soft-l1" or "student". Default:
+            "gaussian".
+        nuisance: what nobody measured, fitted for each group of tests, a table of each
+            as under `[nuisance]` of a study file:
+            `{"slope_deg": {"by": "campaign", "prior": {"mean": 30.0, "sd": 3.0}}}`.
+        variants: fits with other laws or fixed values, a table of each, as
+            `[[variants]]` of a study file: `[{"dilatancy": 0.0}, {"dilatancy": 1.0}]`.
+        starts: size of the population that searches; 1 fits from the start alone.
+            Default: 48.
+        method: "trust-region", "adam" or "l-bfgs". Default: "trust-region".
+        accuracy: of the impacts: "fast", "balanced" or "reference". Default:
+            "reference".
         out: directory for the report.
         seed: seed of starts and draws. Default: 0.
         progress: called with lines of text.
@@ -231,7 +251,9 @@ def calibrate(
     """
     require_float64()
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
-    options |= dict(sigma=sigma, scatter=scatter, seed=seed)
+    options |= dict(sigma=sigma, scatter=scatter, weights=weights, loss=loss)
+    options |= dict(nuisance=nuisance, variants=variants, starts=starts)
+    options |= dict(method=method, accuracy=accuracy, seed=seed)
     study = study_of_arguments(tests, options)
     expect("out", out, str, os.PathLike, type(None))
     directory = None if out is None else Path(out)

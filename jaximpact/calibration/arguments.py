@@ -141,8 +141,18 @@ def study_of_arguments(tests, options: Mapping) -> Study:
     return study_given(tests, **options)
 
 
-def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Study:
-    """Make the study of the arguments of `calibrate`."""
+def study_given(
+    tests,
+    fit=None,
+    ground=None,
+    block=None,
+    targets=None,
+    sigma=None,
+    scatter=None,
+    **further,
+) -> Study:
+    """Make the study of the arguments of `calibrate`; further ones are keys of a study
+    file."""
     if isinstance(fit, str):
         fit = (fit,)
     expect("fit", fit, Iterable, type(None))
@@ -175,12 +185,21 @@ def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Stu
         for whole, argument in (("soil", of_ground), ("block", of_block))
     }
     content = fixed | {"parameters": parameters, "default_sigma": sigma}
-    content |= {"targets": None if targets is None else list(targets), "seed": seed}
-    content["scatter"] = dict(scatter) if isinstance(scatter, Mapping) else scatter
+    content |= {"targets": None if targets is None else list(targets)}
+    content |= {"scatter": scatter} | further
     return study_of(
         measurements,
-        {key: value for key, value in content.items() if value is not None},
+        {key: _as_toml(v) for key, v in content.items() if v is not None},
     )
+
+
+def _as_toml(value):
+    """Convert mappings, tuples and numbers of NumPy to what a TOML file gives."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {key: _as_toml(inner) for key, inner in value.items()}
+    return list(map(_as_toml, value)) if isinstance(value, tuple | list) else value
 
 
 class _Given(NamedTuple):

@@ -151,7 +151,7 @@ def test_columns_are_read_as_their_table_is(tmp_path, twin):
     path = write_columns(tmp_path / "tests.csv", twin.tests)
     of_path = read_study(path)
     for given in (twin.tests, Frame(), path):
-        study = study_given(given, None, None, None, None, None, None, None)
+        study = study_given(given)
         np.testing.assert_array_equal(study.measured, of_path.measured)
         assert study.parameters == of_path.parameters
         assert study.targets == of_path.targets
@@ -177,7 +177,7 @@ def test_a_soil_as_ground(twin):
     """Fitted parameters start at its values; columns of the table come first."""
     soil = Soil(c_v=3.0, beta=0.8, friction_angle=np.deg2rad(35.0))
     given = twin.tests | {"friction_angle_deg": 33.0}
-    study = study_given(given, ("c_v",), soil, None, ["e_n"], None, None, 5)
+    study = study_given(given, ("c_v",), soil, targets=["e_n"], seed=5)
     assert study.parameters[0].start == pytest.approx(3.0)
     assert study.soil["beta"] == pytest.approx(0.8)
     assert "friction_angle_deg" not in study.soil

@@ -9,8 +9,10 @@ from text_files import write_changed
 
 from jaximpact import Soil, calibrate
 from jaximpact.calibration import read_study, residuals
+from jaximpact.calibration.arguments import study_given
 from jaximpact.cli import main
 from jaximpact.errors import InputError
+from jaximpact.laws import FluidityRate
 
 STUDY = """\
 data = ["north.csv", "south.csv"]
@@ -292,3 +294,56 @@ def test_residuals_are_of_measurements_of_one_variant(tmp_path):
     path.write_text(TABLE.replace("0.2", ">0.2"))
     with pytest.raises(InputError, match="limits"):
         residuals(path)
+
+
+SETTINGS = [
+    ("starts = 4.5", {"starts": 4.5}),
+    ('method = "adm"', {"method": "adm"}),
+    ('accuracy = "fats"', {"accuracy": "fats"}),
+    ('loss = "studnet"', {"loss": "studnet"}),
+    ("weights = { e_n = -1 }", {"weights": {"e_n": np.int64(-1)}}),
+    ("[[variants]]\nx = 1", {"variants": ({"x": 1},)}),
+    ("[nuisance.slope_deg]\nby = 'row'", {"nuisance": {"slope_deg": {"by": "row"}}}),
+]
+
+
+@pytest.mark.parametrize(("text", "argument"), SETTINGS)
+def test_arguments_are_refused_as_a_study_is(text, argument, tmp_path):
+    tests = {"speed_mps": [8.0, 12.0], "e_n": [0.1, 0.2]}
+    (tmp_path / "tests.csv").write_text("speed_mps,e_n\n8,0.1\n12,0.2\n")
+    (tmp_path / "study.toml").write_text(f"data = 'tests.csv'\n{text}\n")
+    with pytest.raises(InputError) as in_study:
+        read_study(tmp_path / "study.toml")
+    with pytest.raises(InputError) as in_call:
+        calibrate(tests, **argument)
+    assert in_call.value.problem == in_study.value.problem
+    assert in_call.value.place["key"] == in_study.value.place["key"]
+
+
+def test_arguments_make_the_study_that_a_file_does(tmp_path):
+    (tmp_path / "tests.csv").write_text("speed_mps,e_n\n8,0.1\n12,0.2\n")
+    (tmp_path / "study.toml").write_text("""
+data = "tests.csv"
+starts = 1
+loss = "student"
+method = "adam"
+accuracy = "fast"
+weights = { e_n = 2.0 }
+nuisance.slope_deg = { by = "row", prior = { mean = 30.0, sd = 3.0 } }
+variants = [{ dilatancy = 0.0 }, { name = "rate", flow = "FluidityRate" }]
+""")
+    of_file = read_study(tmp_path / "study.toml")
+    of_call = study_given(
+        str(tmp_path / "tests.csv"),
+        starts=np.int64(1),
+        loss="student",
+        method="adam",
+        accuracy="fast",
+        weights={"e_n": 2.0},
+        nuisance={"slope_deg": {"by": "row", "prior": {"mean": 30.0, "sd": 3.0}}},
+        variants=({"dilatancy": 0.0}, {"name": "rate", "flow": FluidityRate()}),
+    )
+    for name in ("starts", "loss", "method", "accuracy", "weights"):
+        assert getattr(of_call, name) == getattr(of_file, name)
+    assert [str(v) for v in of_call.variants] == [str(v) for v in of_file.variants]
+    assert str(of_call.nuisances) == str(of_file.nuisances)
