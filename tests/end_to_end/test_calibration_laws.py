@@ -122,9 +122,7 @@ def test_a_call_says_the_same(folder, found):
         "c_v": {},
     }
     ground = Soil(flow=f"{folder / 'my_laws.py'}:Saturating")
-    of_call = study_given(
-        folder / "tests.csv", wanted, ground, None, None, SIGMA, None, None
-    )
+    of_call = study_given(folder / "tests.csv", wanted, ground, sigma=SIGMA)
     of_file = found.result.study
     assert [p.name for p in of_call.parameters] == list(TRUE)
     points = [

@@ -462,11 +462,8 @@ def test_parameters_without_influence_do_not_count():
 
 def drops(**changed):
     """Depths of drops, the study's options changed."""
-    options = dict.fromkeys(
-        ("fit", "ground", "block", "targets", "sigma", "scatter", "seed")
-    )
     tests = {"mass_kg": [100.0, 400.0], "speed_mps": [10.0, 20.0], "e_n": [0.1, 0.2]}
-    return study_given(tests | changed.pop("columns", {}), **(options | changed))
+    return study_given(tests | changed.pop("columns", {}), **changed)
 
 
 def names(study):

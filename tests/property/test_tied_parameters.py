@@ -59,8 +59,8 @@ def one_way(measured):
     tests = {"e_n": measured.ravel(), "speed_mps": np.full(measured.size, 5.0)}
     study = study_given(
         tests | {"campaign": names},
-        *({"c_v": {"by": "campaign", "group_sd": GROUP_SD}}, None, None, None),
-        *({"e_n": SIGMA}, None, None),
+        {"c_v": {"by": "campaign", "group_sd": GROUP_SD}},
+        sigma={"e_n": SIGMA},
     )
     objective = OneWay(study, study.variants[0], None)
     return objective, fit(objective, np.zeros((1, 1 + GROUPS))).points
