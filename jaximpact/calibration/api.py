@@ -226,7 +226,8 @@ def calibrate(
             column for it. Default: estimated from the residuals.
         scatter: "constant" or "proportional", one for all targets whose sigma is
             estimated, or of each: whether sigma is the same in all tests, or the same
-            fraction of the value. Default: "constant".
+            fraction of the value. Default: "constant", or the better of the two for
+            targets whose values span a decade.
         weights: weight of a target's losses. Default: 1.
         loss: "gaussian", or for tests with outliers "soft-l1" or "student". Default:
             "gaussian".

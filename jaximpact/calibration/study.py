@@ -15,6 +15,7 @@ from .diagnostics.identifiability import (
 )
 from .diagnostics.jumps import Judged, judge
 from .diagnostics.results import StudyResult, VariantResult
+from .diagnostics.scatter import CLEAR, evidence_of_proportional
 from .estimation.evolution import Population
 from .estimation.least_squares import Fits
 from .estimation.search import (
@@ -91,6 +92,7 @@ def best_fit(objective: Objective) -> BestFit:
         raise InputError("no start gives a prediction", file=study.path)
     lane = ends.best
     objective, best = settle(objective, ends.take([lane]), fit_along)
+    objective, best = _with_better_scatter(objective, best)
     # Which end is the best depends on the sigmas that are estimated.
     other = int(np.argmin(objective.reevaluate(ends.points).cost))
     if not np.all(study.sigma_given) and other != lane:
@@ -99,6 +101,23 @@ def best_fit(objective: Objective) -> BestFit:
             objective, best = settle(objective, end, fit_along)
             lane = other
     return BestFit(objective, best, with_end(ends, lane, best), lane, population)
+
+
+def _with_better_scatter(objective: Objective, best: Fits) -> tuple[Objective, Fits]:
+    """Take scatter in proportion to the value for targets whose kind of scatter is
+    open, where the residuals clearly show it, and fit again.
+
+    Residuals of a fit with constant scatter favour that kind, so that what they show
+    against it can be believed.
+    """
+    study = objective.study
+    is_open = np.isin(study.targets, study.scatter_open)
+    evidence = evidence_of_proportional(objective, best.points)
+    better = is_open & ~objective.study.proportional & (evidence > CLEAR)
+    if not np.any(better):
+        return objective, best
+    objective = objective.with_proportional_scatter(better)
+    return _with_better_scatter(*settle(objective, best, fit_along))
 
 
 def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:

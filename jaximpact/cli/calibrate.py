@@ -51,7 +51,8 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         neither is there, sigma is estimated from the scatter
   [scatter]             for each target whose sigma is estimated, "constant" or
                         "proportional" to its value; or scatter = one of them for all
-                        (default: constant)
+                        (default: constant, or the better of the two where the values
+                        of a target span a decade)
   [weights]             for each target, on its losses (default: 1)
   [[variants]]          soil values or laws to be changed; each is fitted by itself
   [compare]             laws to compare with: laws = ["model", "constant coefficients",

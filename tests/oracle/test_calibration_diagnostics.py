@@ -9,7 +9,8 @@ import pytest
 from calibrated_twin import results_of_model
 from calibration_studies import Linear, fit, objective_of, study_of_columns
 from error_messages import assert_one_line_error
-from scipy.stats import lognorm
+from scipy.stats import binomtest, lognorm, ttest_1samp
+from scipy.stats import t as student
 
 from jaximpact import PRESETS
 from jaximpact.calibration import (
@@ -277,6 +278,36 @@ def test_what_residuals_follow_is_found():
         objective, points, _ = linear(*line(16, seed))
         said += bool(residuals_of(objective, points, 1.0).trends)
     assert said <= 8  # 3 expected; more than 8 in one of 100
+
+
+def test_a_bias_is_found_by_signs_and_by_the_mean():
+    """Of a slope through 0 fitted to what has an offset. The p-values are SciPy's: the
+    t-test has the degrees of freedom that the slope leaves."""
+    z = np.linspace(-1.0, 1.0, 15)
+    random = np.random.default_rng(4)
+    measured = SIGMA * (1.5 + random.normal(size=15))
+    objective, points, _ = linear(z[:, None], measured)
+    (bias,) = residuals_of(objective, points, 1.0).biases
+    apart = points.predicted[0, :, 0] - measured
+    assert bias.significant
+    assert (bias.above, bias.count) == (np.sum(apart > 0.0), 15)
+    assert bias.mean == pytest.approx(np.mean(apart))
+    assert bias.percent == pytest.approx(
+        100.0 * np.mean(apart) / np.mean(np.abs(measured))
+    )
+    assert bias.chance_of_signs == pytest.approx(binomtest(bias.above, 15).pvalue)
+    # One degree of freedom less than SciPy's 14: s^2 grows by 14/13.
+    ratio = ttest_1samp(apart, 0.0).statistic * np.sqrt(13.0 / 14.0)
+    assert bias.chance_of_mean == pytest.approx(2.0 * student.sf(abs(ratio), 13.0))
+    assert bias.words.startswith("the fit underestimates e_n in ")
+    # Without an offset little is said, and nothing of what an integration leaves.
+    said = 0
+    for seed in range(60):
+        objective, points, _ = linear(*line(16, seed))
+        said += bool(residuals_of(objective, points, 1.0).biased)
+    assert said <= 8  # at most 3 expected; more than 8 in one of 100
+    objective, points, _ = linear(z[:, None], np.full(15, 1e-3 * SIGMA))
+    assert not residuals_of(objective, points, 1.0).biased
 
 
 # --- Design, of linear models whose best designs are known. ---

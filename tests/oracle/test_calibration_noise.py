@@ -2,6 +2,7 @@
 scatter. Models linear in one unknown have exact answers."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,14 +12,16 @@ from calibration_studies import fitted as fitted_from
 from jaximpact import Block, Impact, Scene, Soil, simulate_batch
 from jaximpact.calibration import Calibration, examine, fit_study, predict
 from jaximpact.calibration.diagnostics.cross_validation import leave_out_each
-from jaximpact.calibration.diagnostics.examination import doubtful_scatter
 from jaximpact.calibration.diagnostics.further_tests import default_measure
+from jaximpact.calibration.diagnostics.residuals import residuals_of
+from jaximpact.calibration.diagnostics.scatter import chosen_in_words, doubtful_scatter
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.sigma import SETTLED, relative_sigma
 from jaximpact.calibration.problem.noise import LEAST_SIZE, LOSSES
 from jaximpact.calibration.problem.targets import NOMINAL_SIGMA
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.files import as_json
+from jaximpact.calibration.study import best_fit
 
 PART = 0.03
 BOUNDS = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
@@ -243,6 +246,31 @@ def test_where_residuals_cannot_tell():
     assert not doubts(limits, CONSTANT)
 
 
+def test_the_better_one_is_taken_where_nobody_stated_it():
+    """For values that span a decade; the fit is that of proportional scatter stated."""
+    measured = noisy(SLOPES, 0)
+    for values, scatter, expected in (
+        (measured, {}, PROPORTIONAL),
+        (measured, CONSTANT, CONSTANT),
+        (measured, {"v_t_mps": CONSTANT}, CONSTANT),
+        (noisy(SLOPES, 0, part=0.0, constant=0.3), {}, CONSTANT),
+    ):
+        objective, best, *_ = best_fit(objective_of(SLOPES, values, scatter, starts=1))
+        stated, _ = fitted(objective_of(SLOPES, values, expected))
+        assert objective.study.proportional[0] == (expected == PROPORTIONAL)
+        np.testing.assert_allclose(objective.sigma, stated.sigma, rtol=2 * SETTLED)
+        taken = scatter == {} and expected == PROPORTIONAL
+        words = chosen_in_words(objective, best.points)
+        assert [line[:25] for line in words] == ["The values of v_t_mps spa"] * taken
+    narrow = np.geomspace(1.0, 9.0, 20)
+    assert not objective_of(narrow, noisy(narrow, 0), {}).study.scatter_open
+    assert objective_of(SLOPES, measured, {}).study.scatter_open == ("v_t_mps",)
+    signs = np.where(np.arange(20) % 2, -1.0, 1.0)
+    assert not objective_of(signs * SLOPES, signs * measured, {}).study.scatter_open
+    given = objective_of(SLOPES, measured, {}, default_sigma={"v_t_mps": 0.3})
+    assert not given.study.scatter_open
+
+
 # --- What a study may say. ---
 
 TWO = {"e_n": [0.2, 0.3], "v_t_mps": [1.0, 2.0]}
@@ -285,7 +313,9 @@ def test_a_twin_shows_its_noise(result):
     variant = result.variants[0]
     part = part_of(variant.objective, variant.points)
     assert part == pytest.approx(PART, rel=0.45)
-    assert target_table(result, variant).rows[0][-1] == (
+    residuals = residuals_of(variant.objective, variant.points, 1.0)
+    diagnostics = SimpleNamespace(each=None, residuals=residuals)
+    assert target_table(result, variant, diagnostics).rows[0][-1] == (
         f"{100 * part:.3g} % of the value (estimated)"
     )
     # A further test is taken to be measured as well.

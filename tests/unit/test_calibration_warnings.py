@@ -16,13 +16,14 @@ from jaximpact.calibration.diagnostics.examination import (
     worse_than_mean,
 )
 from jaximpact.calibration.diagnostics.identifiability import Verdict
+from jaximpact.calibration.diagnostics.residuals import Residuals, residuals_of
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.parameters import about_draws, verdict
 
 ANGLES = [10.0, 25.0, 40.0, 50.0, 60.0, 35.0]
 SPEEDS = [8.0, 12.0, 10.0, 15.0, 20.0, 6.0]
 NOTHING_ELSE = SimpleNamespace(
-    residuals=SimpleNamespace(trends=[]),
+    residuals=Residuals(np.zeros((0, 0)), [], 0, []),
     each=None,
     campaigns=None,
     posterior=SimpleNamespace(trusted=True, rough=False),
@@ -53,6 +54,13 @@ def doubts(columns, **content):
     return warnings_of(result, result.variants[0], NOTHING_ELSE), result
 
 
+def first_words(result):
+    """The verdict's first lines, with all that speaks against the fit."""
+    (variant,) = result.variants
+    residuals = residuals_of(variant.objective, variant.points, 1.0)
+    return verdict(result, variant, residuals)[0]
+
+
 def test_angles_in_radians_parts_in_per_cent_and_depths_in_millimetres():
     angles = [0.2, 0.9, 1.2]
     (words,) = doubtful_units(study({"angle_deg": angles, "e_n": [0.2, 0.3, 0.4]}))
@@ -75,8 +83,7 @@ def test_angles_in_radians_parts_in_per_cent_and_depths_in_millimetres():
 def test_a_good_fit_has_nothing_against_it(e_n):
     found, result = doubts(columns(e_n), parameters={"k_E": {}})
     assert found == []
-    (first, *_) = verdict(result, result.variants[0])
-    assert first.startswith("The tests identify k_E")
+    assert first_words(result).startswith("The tests identify k_E")
 
 
 def test_what_the_model_cannot_do_is_missed_by_more_than_the_mean(e_n):
@@ -87,8 +94,58 @@ def test_what_the_model_cannot_do_is_missed_by_more_than_the_mean(e_n):
         found, result = doubts(tests, parameters={"k_E": {}}, **content)
         (words,) = [x for x in found if "R2 of e_n" in x]
         assert "is below 0" in words
-        (first, *_) = verdict(result, result.variants[0])
-        assert first.startswith("The model does not describe e_n")
+        words = first_words(result)
+        assert "The model does not describe e_n." in words
+        assert "The tests identify" not in words
+
+
+def test_a_bias_comes_first():
+    """Drops whose e_n leaves no choice of k_E, and whose forces were measured a third
+    too low: all are overestimated by about a half."""
+    speeds = np.linspace(5.0, 14.0, 12)
+    scene = Scene(Block(mass=np.full(12, 500.0)), Soil(), Impact(speed=speeds))
+    true = simulate_batch(scene)
+    random = np.random.default_rng(3)
+    e_n = np.asarray(true.e_n) * (1.0 + 0.02 * random.normal(size=12))
+    force = np.asarray(true.max_normal_force) * (1.0 + 0.05 * random.normal(size=12))
+    drops = {"mass_kg": [500.0] * 12, "speed_mps": speeds, "angle_deg": [0.0] * 12}
+    drops |= {"e_n": e_n, "sigma_e_n": 0.02 * e_n, "max_normal_force_N": force / 1.5}
+    _, result = doubts(drops, parameters={"k_E": {}})
+    words = first_words(result)
+    number = "overestimates max_normal_force_N in 12 of 12 tests, by "
+    assert words.startswith(f"The fit {number}")
+    assert 40.0 < float(words.split(number)[1].split()[0]) < 60.0
+    assert "The tests identify" not in words
+    (variant,) = result.variants
+    residuals = residuals_of(variant.objective, variant.points, 1.0)
+    diagnostics = SimpleNamespace(**vars(NOTHING_ELSE) | {"residuals": residuals})
+    found = warnings_of(result, variant, diagnostics)
+    assert sum("max_normal_force_N is biased" in line for line in found) == 1
+
+
+def test_a_wrong_shape_comes_first():
+    """Elongated blocks that were fitted as spheres, with stated sigmas and without."""
+    angles = np.array([10.0, 25.0, 40.0, 50.0, 60.0, 35.0, 20.0, 45.0])
+    turned = np.array([-50.0, 20.0, 70.0, -20.0, 40.0, 5.0, -70.0, 55.0])
+    impact = Impact.from_degrees(12.0, angles, orientation=turned)
+    e_n = np.asarray(simulate_batch(Scene(Block(aspect_ratio=2.0), Soil(), impact)).e_n)
+    tests = {"speed_mps": [12.0] * 8, "angle_deg": angles, "e_n": e_n}
+    for sigma in ({"default_sigma": {"e_n": 0.02}}, {}):
+        _, result = doubts(tests, parameters={"k_E": {}}, **sigma)
+        words = first_words(result)
+        assert words.startswith("The model does not describe e_n. ")
+        assert "The tests identify" not in words
+        assert ("times as large as the given sigmas allow" in words) == bool(sigma)
+
+
+def test_a_fit_that_explains_little_says_so_first(e_n):
+    """Two thirds of the variance of e_n are noise: it may be scatter of the tests."""
+    random = np.random.default_rng(1)
+    tests = columns(e_n + 1.4 * np.std(e_n) * random.normal(size=6))
+    _, result = doubts(tests, parameters={"k_E": {}})
+    words = first_words(result)
+    assert words.startswith("The fit explains less than half of the variance of e_n. ")
+    assert "If that is scatter of the tests, they identify k_E" in words
 
 
 def test_repeated_impacts_are_as_good_as_their_mean():
@@ -105,7 +162,8 @@ def test_sigmas_that_are_guesses_are_called_so():
     found, result = doubts({"angle_deg": [30.0], "e_n": [0.3]}, parameters={"k_E": {}})
     assert any(x.startswith("0 degrees of freedom") for x in found)
     assert any("a guess" in x for x in found)
-    assert "(guessed)" in target_table(result, result.variants[0]).rows[0][-1]
+    table = target_table(result, result.variants[0], NOTHING_ELSE)
+    assert "(guessed)" in table.rows[0][-1]
 
 
 @pytest.mark.parametrize(("sigma", "too_large"), [(0.002, False), (0.5, True)])

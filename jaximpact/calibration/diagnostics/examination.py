@@ -1,16 +1,5 @@
-r"""Diagnostics of a fit, and the warnings that follow from them.
+"""Diagnostics of a fit, and the warnings that follow from them."""
 
-Whether scatter is constant or proportional is tested by the ratio of the largest
-Gaussian likelihoods. With n residuals e, each over the root of 1 - leverage, and the
-sizes z of the predictions (`problem.noise`),
-
-$$ \ln \frac{L_p}{L_c} = \frac{n}{2} \left( \ln \overline{e^2} -
-   \ln \overline{(e / z)^2} \right) - \sum_i \ln z_i ; $$
-
-either kind has one number that is estimated. Where all z are equal it is 0.
-"""
-
-from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -19,11 +8,9 @@ from scipy.special import chdtr
 from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import CURVE_COLUMNS
 from ..estimation.evolution import AGREED
-from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, leverages
+from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART
 from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
-from ..problem.noise import CONSTANT, LOSSES, PROPORTIONAL, least_size
-from ..problem.objective import Objective, Points
 from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
 from .cross_validation import in_words as cross_validation_in_words
 from .further_tests import Suggestions, suggest_tests
@@ -34,9 +21,10 @@ from .nuts import sample_posterior
 from .posterior import FEWEST as FEWEST_DRAWS
 from .posterior import Draws
 from .predictive import Bands, bands_of
-from .residuals import Residuals, residuals_of, rms
+from .residuals import Residuals, residuals_of, rms, varying_inputs
 from .results import StudyResult, VariantResult
-from .uncertainty import IMPROBABLE, LEAST_LEFT
+from .scatter import doubtful_scatter
+from .uncertainty import IMPROBABLE
 
 WORSE = 1.1
 """Ratio of the rms error and the scatter about the mean above which a fit is worse than
@@ -174,6 +162,11 @@ def warnings_of(
     trends = diagnostics.residuals.trends
     biased = dict.fromkeys(trend.target for trend in trends)
     lines += doubtful_scatter(variant.objective, variant.points, biased)
+    lines += [
+        f"{bias.target} is biased (p-value {bias.chance:.1g}): find a law without that "
+        "bias (--compare), or check the shape of the blocks, the sensor and the unit."
+        for bias in diagnostics.residuals.biased
+    ]
     lines += _doubtful_errors(result.study, variant)
     for target in biased:
         against = [trend.against for trend in trends if trend.target == target]
@@ -309,6 +302,13 @@ class _Misfit(NamedTuple):
         least = self.sigma if self.stated else self.least
         return self.rms > max(WORSE * self.of_mean, least)
 
+    @property
+    def explains_little(self) -> bool:
+        """Whether the scatter that is estimated is more than half of the variance of
+        the measurements."""
+        half = np.sqrt(0.5) * self.of_mean
+        return not self.stated and self.sigma > max(half, self.least)
+
 
 def _misfit(result: StudyResult, variant: VariantResult, place: int) -> _Misfit | None:
     """Compute the misfit of a target; None where it has too few measurements."""
@@ -319,18 +319,26 @@ def _misfit(result: StudyResult, variant: VariantResult, place: int) -> _Misfit 
         return None
     measured = study.measured[exact, place]
     sigma = float(np.median(variant.sigma[exact, place]))
-    if study.proportional[place]:
+    if variant.objective.study.proportional[place]:
         sigma = float(np.sqrt(np.mean(variant.sigma[exact, place] ** 2)))
     least = LEAST_PART * float(np.sqrt(np.mean(measured**2)))
     stated = bool(study.sigma_given[place])
     return _Misfit(rms, float(np.std(measured)), sigma, least, stated)
 
 
-def not_described(result: StudyResult, variant: VariantResult) -> list[str]:
-    """List the targets that their mean would fit better than the model does."""
+def not_described(
+    result: StudyResult, variant: VariantResult
+) -> tuple[list[str], list[str]]:
+    """List the targets that their mean would fit better than the model does, and those
+    of which the fit explains less than half of the variance: none of repeated tests, of
+    which all variance is scatter."""
     misfits = [_misfit(result, variant, t) for t in range(len(result.study.targets))]
-    named = zip(result.study.targets, misfits, strict=True)
-    return [name for name, misfit in named if misfit is not None and misfit.is_no_fit]
+    named = [*zip(result.study.targets, misfits, strict=True)]
+    missed = [name for name, misfit in named if misfit and misfit.is_no_fit]
+    if not varying_inputs(variant.objective):
+        return missed, []
+    little = [name for name, misfit in named if misfit and misfit.explains_little]
+    return missed, [name for name in little if name not in missed]
 
 
 def _large_misfit(
@@ -346,7 +354,8 @@ def _large_misfit(
             "model does not describe them, or inputs or units are wrong."
         ]
     if not misfit.stated and misfit.sigma > max(0.5 * misfit.of_mean, misfit.least):
-        mean = " on average" if result.study.proportional[place] else ""
+        proportional = variant.objective.study.proportional
+        mean = " on average" if proportional[place] else ""
         return [
             f"The scatter estimated for {name}, {misfit.sigma:.3g}{mean}, is more than "
             "half of the standard deviation of its measurements, "
@@ -377,63 +386,3 @@ def worse_than_mean(study: Study, left: LeftOut | None, place: int) -> list[str]
         f"the fit to them: its rms error is {of_mean:.3g}, that of the fit {rms:.3g}. "
         "Find a law that predicts better (--compare), or take the mean."
     ]
-
-
-def doubtful_scatter(
-    objective: Objective, points: Points, biased: Collection[str] = ()
-) -> list[str]:
-    """Warn of targets whose residuals clearly show the other kind of scatter.
-
-    Only exact measurements count, all predicted with one sign, and only Gaussian
-    losses: an outlier, which a robust loss tolerates, would decide the ratio. Targets
-    that are `biased` are skipped: what has a trend is misfit, not scatter.
-    """
-    study = objective.study
-    if study.loss != LOSSES[0]:
-        return []
-    predicted = points.predicted[0]
-    left = 1.0 - leverages(objective, points)
-    exact = study.exact & np.isfinite(predicted)
-    least = least_size(study.measured)
-    lines = []
-    for target in np.flatnonzero(~study.sigma_given):
-        if study.targets[target] in biased:
-            continue
-        used = exact[:, target] & (left[:, target] > LEAST_LEFT)
-        value, measured = predicted[used, target], study.measured[used, target]
-        # Fewer do not show the kind of scatter.
-        if len(value) < 8 or np.min(value) * np.max(value) <= 0.0:
-            continue
-        residual = (measured - value) / np.sqrt(left[used, target])
-        size = np.maximum(np.abs(value), least[target])
-        if np.sum(residual**2) <= LEAST_PART**2 * np.sum(size**2):
-            continue  # errors of the integration, no scatter
-        for_proportional = log_ratio(residual, size)
-        is_proportional = study.proportional[target]
-        against = -for_proportional if is_proportional else for_proportional
-        if against > 3.0:
-            name = study.targets[target]
-            lines.append(_scatter_in_words(name, is_proportional, against))
-    return lines
-
-
-def log_ratio(residual: np.ndarray, size: np.ndarray) -> float:
-    """Compute ln(L_p / L_c), above 0 where residuals support proportional scatter."""
-    squares = np.mean(residual**2), np.mean((residual / size) ** 2)
-    half = 0.5 * len(residual)
-    return float(half * np.log(squares[0] / squares[1]) - np.sum(np.log(size)))
-
-
-def _scatter_in_words(name: str, is_proportional: bool, against: float) -> str:
-    times = "more than 1000" if against > np.log(1e3) else f"{np.exp(against):.0f}"
-    if is_proportional:
-        return (
-            f"The residuals of {name} do not grow with its value: constant scatter is "
-            f"{times} times as probable as one in proportion to it. Set "
-            f'scatter.{name} = "{CONSTANT}".'
-        )
-    return (
-        f"The residuals of {name} grow with its value: scatter in proportion to it is "
-        f"{times} times as probable as a constant one. Set "
-        f'scatter.{name} = "{PROPORTIONAL}".'
-    )

@@ -1,8 +1,17 @@
-"""Studentised residuals, and tests for trends in them.
+r"""Studentised residuals, and tests for bias and trends in them.
 
 A residual is (measured - predicted) / (s sigma), divided by sqrt(1 - h) with h its
-leverage. If the model is right residuals are normal, of variance 1 and independent of
-every input.
+leverage. If the model is right residuals are normal, of variance 1, of mean 0 and
+independent of every input.
+
+Whether a target is biased is tested twice: by the signs of its residuals, and by their
+mean. With u = (predicted - measured) / sigma of n measurements and f the degrees of
+freedom of the target,
+
+$$ t = \frac{\bar u \sqrt n}{s}, \qquad s^2 = \frac{\sum (u - \bar u)^2}{f - 1} , $$
+
+where t has Student's distribution with f - 1 degrees of freedom. A fit takes up a part
+of a mean, so that both tests find less than they would without one.
 """
 
 from typing import Any, NamedTuple
@@ -10,8 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 # Not scipy.stats here, which takes 0.6 s to import.
-from scipy.special import ndtr, ndtri
+from scipy.special import bdtr, ndtr, ndtri, stdtr
 
+from ...quantities import CURVE_COLUMNS
+from ..estimation.sigma import freedom_of_targets
 from ..problem.objective import Objective, Points
 from .uncertainty import leverages
 
@@ -19,6 +30,9 @@ FEWEST = 8
 """Least number of different values of an input for a test of trend."""
 LEAST_LEFT = 1e-6
 """Least 1 - h: a measurement of leverage 1 has no residual."""
+LEAST_BIAS = 0.25
+"""Least ratio of the mean of the residuals and their root mean square that is called a
+bias: below it is a sixteenth of their mean square, and their scatter matters more."""
 
 
 class Trend(NamedTuple):
@@ -34,6 +48,42 @@ class Trend(NamedTuple):
     """p-value of the more significant of the two."""
 
 
+class Bias(NamedTuple):
+    """Mean residual of a target, with the tests of its bias."""
+
+    target: str
+    mean: float
+    """Mean of predicted less measured [unit of the target]."""
+    percent: float
+    """The same over the mean size of the measurements [%]."""
+    above: int
+    """Number of exact measurements that the fit overestimates."""
+    count: int
+    """Number of exact measurements."""
+    chance_of_mean: float
+    """p-value of the t-test; NaN where there are too few degrees of freedom."""
+    chance_of_signs: float
+    """p-value of the sign test, two-sided."""
+    significant: bool
+    """Whether the target is biased: by one of the tests, with a probability of 5 % in
+    all to find a bias where there is none."""
+
+    @property
+    def chance(self) -> float:
+        """Smaller of the two p-values."""
+        return float(np.fmin(self.chance_of_mean, self.chance_of_signs))
+
+    @property
+    def words(self) -> str:
+        """The bias in words, without a full stop."""
+        over = self.mean > 0.0
+        number = self.above if over else self.count - self.above
+        return (
+            f"the fit {'overestimates' if over else 'underestimates'} {self.target} in "
+            f"{number} of {self.count} tests, by {abs(self.percent):.2g} % in the mean"
+        )
+
+
 class Residuals(NamedTuple):
     """Residuals of all exact measurements, shape (tests, targets); NaN elsewhere."""
 
@@ -43,6 +93,13 @@ class Residuals(NamedTuple):
     """Significant trends, the smallest p-value first."""
     looked_for: int
     """Number of tests of trend: two for each target and input."""
+    biases: list[Bias]
+    """Mean residual of every target with exact measurements."""
+
+    @property
+    def biased(self) -> list[Bias]:
+        """Significant biases."""
+        return [bias for bias in self.biases if bias.significant]
 
     def ordered(self) -> tuple[np.ndarray, np.ndarray]:
         """Return normal quantiles and the ascending residuals of a Q-Q plot."""
@@ -60,7 +117,8 @@ def residuals_of(objective: Objective, points: Points, inflation: float) -> Resi
     scale = objective.sigma * np.sqrt(inflation * np.maximum(left, LEAST_LEFT))
     there = exact & (left > LEAST_LEFT)
     values = np.where(there, (study.measured - predicted) / scale, np.nan)
-    return Residuals(values, *_trends(objective, values, predicted))
+    biases = _biases(objective, points)
+    return Residuals(values, *_trends(objective, values, predicted), biases)
 
 
 def rms(values: np.ndarray) -> float | None:
@@ -72,6 +130,47 @@ def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
     """Find the columns of the scene that differ among the tests."""
     inputs = objective.study.tests.inputs.items()
     return {name: v for name, v in inputs if np.nanmax(v) > np.nanmin(v)}
+
+
+def _biases(objective: Objective, points: Points) -> list[Bias]:
+    study, predicted = objective.study, points.predicted[0]
+    exact = study.exact & np.isfinite(predicted)
+    freedom = freedom_of_targets(objective, points) - 1.0
+    # Forces along a curve follow one another.
+    tested = ~np.isin(study.targets, [*CURVE_COLUMNS])
+    level = 0.05 / max(2 * np.sum(tested), 1)
+    biases = []
+    for place in np.flatnonzero(np.any(exact, axis=0)):
+        cells = exact[:, place]
+        measured, sigma = study.measured[cells, place], objective.sigma[cells, place]
+        apart = predicted[cells, place] - measured
+        u, count, above = apart / sigma, len(apart), int(np.sum(apart > 0.0))
+        size = float(np.mean(np.abs(measured)))
+        signs = min(above, int(np.sum(apart < 0.0)))
+        of_signs = min(1.0, 2.0 * float(bdtr(signs, np.sum(apart != 0.0), 0.5)))
+        of_mean = np.nan
+        if freedom[place] >= 1.0 and np.ptp(u) > 0.0:
+            scatter = np.sqrt(np.sum((u - np.mean(u)) ** 2) / freedom[place])
+            ratio = abs(np.mean(u)) * np.sqrt(count) / scatter
+            of_mean = 2.0 * float(stdtr(freedom[place], -ratio))
+        material = abs(np.mean(u)) > LEAST_BIAS * np.sqrt(np.mean(u**2))
+        # Less of the smallest sigmas is errors of the integration.
+        material &= bool(abs(np.mean(u)) > 0.1)
+        biases.append(
+            Bias(
+                target=study.targets[place],
+                mean=float(np.mean(apart)),
+                percent=float(100.0 * np.mean(apart) / size) if size else np.nan,
+                above=above,
+                count=count,
+                chance_of_mean=of_mean,
+                chance_of_signs=of_signs,
+                significant=bool(
+                    tested[place] and material and np.fmin(of_mean, of_signs) < level
+                ),
+            )
+        )
+    return biases
 
 
 def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:

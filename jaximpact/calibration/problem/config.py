@@ -85,6 +85,9 @@ class Study:
     """Mask of the targets whose sigmas are given, shape (targets,)."""
     proportional: np.ndarray
     """Mask of the targets whose sigma is estimated as a fraction of the value."""
+    scatter_open: tuple[str, ...] = ()
+    """Targets whose kind of scatter is chosen by the fit: nobody stated it, and the
+    values span a decade."""
     weights: np.ndarray
     """Weights of the targets on the losses, shape (targets,)."""
     loss: str = LOSSES[0]

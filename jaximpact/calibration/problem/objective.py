@@ -118,6 +118,13 @@ class Objective:
         """Return the objective with other sigmas, shape (tests, targets)."""
         return self._changed(sigma=sigma)
 
+    def with_proportional_scatter(self, targets: np.ndarray) -> "Objective":
+        """Return the objective with scatter of more targets, a mask, in proportion to
+        their values."""
+        proportional = self.study.proportional | targets
+        study = dataclasses.replace(self.study, proportional=proportional)
+        return self._changed(study=study)
+
     def with_loss(self, loss: str) -> "Objective":
         """Return the objective with another loss, one of `LOSSES`."""
         return self._changed(loss=loss)

@@ -18,6 +18,9 @@ from .nuisance import Nuisance
 NOMINAL_SIGMA = 0.05
 """Nominal sigma, where none is given, over a target's root mean square, or over each
 value where scatter is proportional."""
+DECADE = 10.0
+"""Ratio of the largest and the smallest value of a target from which its kind of
+scatter is chosen by the fit, unless it is stated."""
 
 
 def read_targets(
@@ -38,6 +41,7 @@ def read_targets(
         sigma=np.where(proportional, NOMINAL_SIGMA * size, sigma),
         sigma_given=sigma_given,
         proportional=proportional,
+        scatter_open=_open(content, targets, sigma_given, measured),
         weights=np.array([float(weights.get(name, 1.0)) for name in targets]),
     )
 
@@ -126,6 +130,18 @@ def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
         columns.append(np.where(np.isfinite(sigma), sigma, np.nanmedian(sigma)))
         is_given.append(stated)
     return np.stack(columns, axis=1), np.array(is_given)
+
+
+def _open(content, targets, sigma_given, measured) -> tuple[str, ...]:
+    """List the targets whose kind of scatter the fit chooses."""
+    stated = content.get("scatter", {})
+    if isinstance(stated, str):
+        return ()
+    size = np.fmax(np.abs(measured), least_size(measured))
+    wide = np.nanmax(size, axis=0) >= DECADE * np.nanmin(size, axis=0)
+    of_one_sign = np.nanmin(measured, axis=0) * np.nanmax(measured, axis=0) >= 0.0
+    chosen = zip(targets, wide & of_one_sign & ~sigma_given, strict=True)
+    return tuple(name for name, is_open in chosen if is_open and name not in stated)
 
 
 def _proportional(top, content, targets, sigma_given) -> np.ndarray:

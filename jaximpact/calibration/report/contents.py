@@ -19,8 +19,9 @@ from ..diagnostics.examination import (
     freedom_text,
     warnings_of,
 )
-from ..diagnostics.residuals import rms
+from ..diagnostics.residuals import Residuals, rms
 from ..diagnostics.results import StudyResult, VariantResult
+from ..diagnostics.scatter import chosen_in_words
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
@@ -38,13 +39,16 @@ def summary(result: StudyResult, examined: list[Examination]) -> Document:
             ReportSection("Correlations", [correlated_pairs(variant)]),
             ReportSection(
                 "Fit (predicted less measured)",
-                [target_table(result, variant, diagnostics.each)],
+                [
+                    target_table(result, variant, diagnostics),
+                    chosen_in_words(variant.objective, variant.points),
+                ],
             ),
             Box(
                 "verdict",
                 [
                     "Verdict",
-                    *verdict(result, variant),
+                    *verdict(result, variant, diagnostics.residuals),
                     f"{search_in_words(variant)}; {variant.reason.words}.",
                 ],
             ),
@@ -171,10 +175,11 @@ def variant_table(result: StudyResult) -> Table:
 
 
 def target_table(
-    result: StudyResult, variant: VariantResult, left: LeftOut | None = None
+    result: StudyResult, variant: VariantResult, diagnostics: Examination
 ) -> Table:
     """Write the errors of each target, with those of tests left out if there are."""
-    study = result.study
+    study, left = variant.objective.study, diagnostics.each
+    biases = {bias.target: bias for bias in diagnostics.residuals.biases}
     limits = bool(np.any(study.known & (study.censored != 0)))
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
@@ -192,12 +197,31 @@ def target_table(
             apart = left.predicted[:, target] - study.measured[:, target]
             exact = (study.censored[:, target] == 0) & np.isfinite(apart)
             row["rms left out"] = rms(apart[exact])
-        row |= {key: values[key] for key in ("max", "bias")}
+        row["max"], bias = values["max"], biases.get(name)
+        row["bias"] = bias and f"{bias.mean:.3g} ({bias.percent:+.1f} %)"
+        row["too high"] = bias and f"{bias.above} of {bias.count}"
         row["sigma"] = f"{size} ({origin})"
         if limits:
             row["limits violated"] = values["limits_broken"]
         rows.append(row)
     return Table(tuple(rows[0]), [tuple(row.values()) for row in rows])
+
+
+def bias_table(residuals: Residuals) -> Table:
+    """Write the mean residual of each target with the tests of its bias."""
+    rows = [
+        (
+            bias.target,
+            f"{bias.mean:.3g} ({bias.percent:+.1f} %)",
+            f"{bias.above} of {bias.count}",
+            f"{bias.chance_of_signs:.1g}",
+            f"{bias.chance_of_mean:.1g}" if np.isfinite(bias.chance_of_mean) else None,
+            "yes" if bias.significant else "no",
+        )
+        for bias in residuals.biases
+    ]
+    head = ("target", "bias", "too high", "p of signs", "p of mean", "biased")
+    return Table(head, rows)
 
 
 def statistics(result: StudyResult, variant: VariantResult) -> str:

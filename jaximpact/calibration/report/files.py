@@ -161,7 +161,7 @@ def _manifest(result: StudyResult) -> dict:
         "scatter": {
             name: SCATTERS[int(study.proportional[target])]
             for target, name in enumerate(study.targets)
-            if not study.sigma_given[target]
+            if not study.sigma_given[target] and name not in study.scatter_open
         },
         "accuracy": PRESETS[study.accuracy],
         "engine": result.engine,
@@ -223,7 +223,7 @@ def parameter_entries(variant: VariantResult) -> dict[str, dict]:
 
 
 def _targets(result: StudyResult, variant: VariantResult) -> dict:
-    study = result.study
+    study = variant.objective.study
     freedom = freedom_of_targets(variant.objective, variant.points)
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     least = least_size(study.measured)
@@ -244,6 +244,7 @@ def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
     further = {"one_result_each": diagnostics.single}
     further["all_results"] = diagnostics.together
     return {
+        "biases": diagnostics.residuals.biases,
         "trends": diagnostics.residuals.trends,
         "draws": _draws(variant, diagnostics.posterior),
         "posterior": None if samples is None else _samples(variant, samples),

@@ -11,6 +11,7 @@ from ..diagnostics.examination import Examination, not_described
 from ..diagnostics.identifiability import interval_text
 from ..diagnostics.nuts import compare_errors
 from ..diagnostics.posterior import Draws
+from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.uncertainty import USELESS_ERROR
 
@@ -18,9 +19,16 @@ NEARLY_NORMAL = 0.7
 """Effective sample size, as a fraction, above which the posterior is nearly normal."""
 
 
-def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
+MUCH_LARGER = 4.0
+"""Reduced chi-square of given sigmas from which a verdict begins with the misfit:
+sigmas that are off by a factor of two are common."""
+
+
+def verdict(
+    result: StudyResult, variant: VariantResult, residuals: Residuals
+) -> list[str]:
     """List which parameters are identifiable, with their intervals, and which not;
-    first of all what the model does not describe."""
+    first of all what the model misses."""
     known, unknown = [], []
     for index, of_one in enumerate(variant.verdicts):
         if of_one.determined:
@@ -34,15 +42,17 @@ def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
                 f"{of_one.name} is not identifiable from these tests: {of_one.reason}."
             )
     name = f"{variant.variant.name}: " if len(result.variants) > 1 else ""
+    missed, little = _missed(result, variant, residuals)
     first = "No parameter is identifiable by itself."
     if known:
         first = f"The tests identify {', '.join(known)}."
-    if missed := not_described(result, variant):
-        first = (
-            f"The model does not describe {' and '.join(missed)}; its parameters mean "
-            f"little. {first}"
-        )
-    lines = [name + first, *unknown]
+        if missed:
+            first = f"Best fit of this model all the same: {', '.join(known)}."
+        elif little:
+            first = (
+                f"If that is scatter of the tests, they identify {', '.join(known)}."
+            )
+    lines = [name + " ".join((*missed, *little, first)), *unknown]
     if unknown and variant.uncertainty.eigenvalues[-1] * USELESS_ERROR**2 > 1.0:
         lines.append(f"Best identifiable combination: {variant.directions[0]}.")
     elif unknown:
@@ -54,6 +64,44 @@ def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
             f"{fixed}."
         )
     return lines
+
+
+def _missed(
+    result: StudyResult, variant: VariantResult, residuals: Residuals
+) -> tuple[list[str], list[str]]:
+    """Say what the fit misses (biases, targets that it does not describe, trends, and a
+    misfit far above the given sigmas) and of which targets it explains little, in a
+    sentence each."""
+    sentences = []
+    missed, little = not_described(result, variant)
+    if biased := residuals.biased:
+        words = "; ".join(bias.words for bias in biased)
+        sentences.append(f"{words[0].upper()}{words[1:]}.")
+    if missed:
+        sentences.append(f"The model does not describe {' and '.join(missed)}.")
+    missed += [bias.target for bias in biased]
+    trends = dict.fromkeys(trend.target for trend in residuals.trends)
+    if trends := [target for target in trends if target not in missed]:
+        sentences.append(
+            f"The residuals of {' and '.join(trends)} are not random: they follow "
+            "inputs or the prediction."
+        )
+    uncertainty = variant.uncertainty
+    if uncertainty.inflation > MUCH_LARGER:
+        sentences.append(
+            f"The misfit is {np.sqrt(uncertainty.inflation):.2g} times as large as the "
+            "given sigmas allow (reduced chi-square "
+            f"{uncertainty.reduced_chi_square:.3g})."
+        )
+    if sentences:
+        sentences.append(
+            "So the model, the shape of the blocks or the data are wrong somewhere, "
+            "and the intervals below do not include that error."
+        )
+    of_little = [
+        f"The fit explains less than half of the variance of {' and '.join(little)}."
+    ]
+    return sentences, of_little if little else []
 
 
 def parameter_table(variant: VariantResult, short: bool = False) -> Table:

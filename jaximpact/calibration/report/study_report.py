@@ -13,6 +13,7 @@ from ..diagnostics import cross_validation, further_tests, residuals
 from ..diagnostics.examination import Examination, warnings_of
 from ..diagnostics.residuals import varying_inputs
 from ..diagnostics.results import StudyResult, VariantResult
+from ..diagnostics.scatter import chosen_in_words
 from . import contents, drawings, parameters
 from .comparison import comparison_parts, comparison_picture, worse_than_others
 
@@ -70,7 +71,10 @@ def _answer(
         "Measured and fitted.",
     )
     return [
-        *(Box("verdict", parameters.verdict(result, one)) for one in result.variants),
+        *(
+            Box("verdict", parameters.verdict(result, variant, one.residuals))
+            for variant, one in zip(result.variants, examined, strict=True)
+        ),
         contents.warning_box(common),
         *(
             contents.warning_box(
@@ -104,7 +108,8 @@ def _sections(
         "Fit",
         [
             "Errors are predicted less measured.",
-            contents.target_table(result, variant, diagnostics.each),
+            contents.target_table(result, variant, diagnostics),
+            chosen_in_words(variant.objective, variant.points),
             contents.statistics(result, variant),
             fits,
         ],
@@ -205,6 +210,7 @@ def _residuals(
     return [
         "Measured less fitted over the standard deviation, studentised: each over the "
         "root of 1 - leverage.",
+        contents.bias_table(studentised),
         residuals.in_words(studentised, variant.objective),
         pictures,
     ]
