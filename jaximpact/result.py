@@ -6,6 +6,7 @@ tables and pictures need values that are known.
 
 import dataclasses
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 import equinox as eqx
@@ -24,10 +25,9 @@ from .quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 from .scene import Scene, Selection
 from .scene_quantities import scene_values
 
-if TYPE_CHECKING:  # all three take a while to load
+if TYPE_CHECKING:  # both take a while to load
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class ImpactResult(ImpactSummary):
@@ -191,7 +191,7 @@ class ImpactResult(ImpactSummary):
 
         return dataset_of_impacts(self, self.scene, self.accuracy, dims)
 
-    def plot(self, path=None) -> "Figure":
+    def plot(self, path=None, *, ax=None) -> "np.ndarray":
         """Draw force, penetration, rotation and energy against time, and a side view.
 
         The history is drawn if every step was asked for; otherwise the impact is
@@ -201,12 +201,17 @@ class ImpactResult(ImpactSummary):
             path: where to save the figure too, in the format that the suffix names
                 (png, pdf, svg); a file of that name is replaced once the new one is
                 whole.
+            ax: five axes to draw on. Without axes and path the figure is one of
+                `matplotlib.pyplot`, which notebooks show.
+
+        Returns the axes of the five panels.
 
         Raises ValueError for a result of many impacts, and for a suffix that names no
         format.
         """
         from .backend.derivative_rules import solve_recorded
         from .plotting.impact import plot_impact
+        from .plotting.style import plotted
 
         if self.shape:
             raise ValueError(
@@ -217,7 +222,7 @@ class ImpactResult(ImpactSummary):
         # At the times of `save_at` it need not hold the peaks, nor the end.
         if recorded is None or recorded.in_contact is not None:
             _, recorded = solve_recorded(self.scene, self.accuracy)
-        return plot_impact(self, self.scene, recorded, path)
+        return plotted(partial(plot_impact, self, self.scene, recorded), path, ax)
 
     def manifest(self) -> dict:
         """State what is needed to compute this again, ready for JSON."""

@@ -3,6 +3,7 @@
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ import numpy as np
 from .._checks import expect
 from .._precision import require_float64
 from .._settings import numpy_settings
-from ..errors import InputError
+from ..errors import InputError, check_choice
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction, reporting_to, tell, within
 from ..quantities import columns_of_part
@@ -30,11 +31,16 @@ from .problem.laws import scene_of
 from .report.contents import summary
 from .report.files import as_json, parameter_entries, study_directory, write_all
 from .report.parameters import parameter_table
-from .report.prediction import prediction_report, write_prediction
+from .report.prediction import (
+    prediction_report,
+    prediction_table,
+    write_prediction,
+)
 from .study import fit_study
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+if TYPE_CHECKING:  # both take a while to load
+    import pandas as pd
+    import xarray as xr
 
 
 class Calibration:
@@ -127,16 +133,98 @@ class Calibration:
         return as_json(self.result, self.examined, self.others)
 
     @numpy_settings()
-    def plot(self, path: str | os.PathLike | None = None) -> "Figure":
-        """Draw the fit of every target.
+    def to_dataframe(
+        self, table: str = "parameters", variant: str | None = None
+    ) -> "pd.DataFrame":
+        """Make a table of a variant.
+
+        Args:
+            table: "parameters": values, standard errors, 95 % intervals, bounds, and
+                whether each is identifiable; "covariance" and "correlation" of all
+                unknowns; "profiles": likelihood ratios over the values at which a
+                parameter was fixed; "draws" of the posterior, with a `weight`;
+                "residuals": measurements, fits and residuals.
+            variant: its name; of one variant it is not needed.
+
+        Raises InputError for an unknown name.
+        """
+        from .report.frames import frame_of
+
+        return frame_of(self._fit(variant), table)
+
+    @numpy_settings()
+    def to_xarray(self, variant: str | None = None) -> "xr.Dataset":
+        """Make a dataset of a variant: values, standard errors and covariance over
+        `parameter`, `draws` and their `weight` over `draw`, measurements, fits and
+        residuals over `test` and `target`."""
+        from .report.frames import dataset_of
+
+        return dataset_of(self._fit(variant))
+
+    @numpy_settings()
+    def plot(self, path: str | os.PathLike | None = None, *, ax=None):
+        """Draw the fit of every target, and return the axes, one for each.
 
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
+            ax: axes to draw on, as many as there are panels. Without axes and path the
+                figure is one of `matplotlib.pyplot`, which notebooks show.
         """
-        from ..plotting.style import save_figure
-        from .report.drawings import draw_study
+        return self._plotted("draw_study", [self.result], path, ax)
 
-        return save_figure(draw_study(self.result), path)
+    @numpy_settings()
+    def plot_profile(
+        self,
+        parameter: str,
+        path: str | os.PathLike | None = None,
+        *,
+        ax=None,
+        variant: str | None = None,
+    ):
+        """Draw the likelihood profile of a parameter; otherwise as `plot`."""
+        of = self._chosen(variant)
+        check_choice("parameter", parameter, of.profiles)
+        return self._plotted("draw_profile", [of, of.profiles[parameter]], path, ax)
+
+    @numpy_settings()
+    def plot_residuals(
+        self,
+        against: str = "prediction",
+        path: str | os.PathLike | None = None,
+        *,
+        ax=None,
+        variant: str | None = None,
+    ):
+        """Draw studentised residuals over the prediction, or over a column of the
+        tests; otherwise as `plot`."""
+        result, of, examined = self._fit(variant)
+        known = ("prediction", *result.study.tests.inputs)
+        check_choice("against", against, known)
+        residuals = [result, of, examined.residuals, against]
+        return self._plotted("draw_residuals", residuals, path, ax)
+
+    @numpy_settings()
+    def plot_draws(
+        self,
+        first: str,
+        second: str,
+        path: str | os.PathLike | None = None,
+        *,
+        ax=None,
+        variant: str | None = None,
+    ):
+        """Draw two parameters of the posterior; otherwise as `plot`."""
+        _, of, examined = self._fit(variant)
+        for name in (first, second):
+            check_choice("parameter", name, of.profiles)
+        pair = [of.names.index(name) for name in (first, second)]
+        return self._plotted("draw_pair", [of, examined.posterior, *pair], path, ax)
+
+    def _plotted(self, drawing: str, of: list, path, ax):
+        from ..plotting.style import plotted
+        from .report import drawings
+
+        return plotted(partial(getattr(drawings, drawing), *of), path, ax)
 
     @numpy_settings()
     def write(self, out: str | os.PathLike) -> None:
@@ -150,12 +238,15 @@ class Calibration:
             write_all(self.result, self.examined, new, self.others)
 
     def _chosen(self, name: str | None) -> VariantResult:
+        return self._fit(name)[1]
+
+    def _fit(self, name: str | None) -> tuple[StudyResult, VariantResult, Examination]:
         if name is None and len(self.variants) > 1:
             raise InputError(
                 f"there are several variants; name one of {', '.join(self.variants)}"
             )
         index = 0 if name is None else self.result.study.index_of(name)
-        return self.result.variants[index]
+        return self.result, self.result.variants[index], self.examined[index]
 
 
 class Prediction(PredictedTests):
@@ -172,6 +263,35 @@ class Prediction(PredictedTests):
 
     def _repr_html_(self) -> str:
         return prediction_report(self).html()
+
+    @numpy_settings()
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Make a table with one row for each variant, test and target, as `write` does:
+        the measurement, the value at the `best_fit`, the median `predicted` with its
+        50 % and 95 % intervals, and scores."""
+        return prediction_table(self).frame()
+
+    @numpy_settings()
+    def to_xarray(self) -> "xr.Dataset":
+        """Make a dataset of the same over `variant`, `test` and `target`."""
+        from .report.frames import dataset_of_predictions
+
+        return dataset_of_predictions(self)
+
+    @numpy_settings()
+    def plot(self, path: str | os.PathLike | None = None, *, ax=None, variant: int = 0):
+        """Draw the predictions of each target, test by test, with 50 % and 95 %
+        intervals, and what was measured; return the axes, one for each target.
+
+        Args:
+            path, ax: as for `Calibration.plot`.
+            variant: number of the variant, from 0.
+        """
+        from ..plotting.style import plotted
+        from .report.drawings import draw_predictions
+
+        chosen = self.variants[variant]
+        return plotted(partial(draw_predictions, self, chosen), path, ax)
 
     @numpy_settings()
     def write(self, path: str | os.PathLike) -> None:

@@ -4,6 +4,7 @@ them predict."""
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -39,7 +40,7 @@ from .report.comparison import (
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+    import xarray as xr
 
 FILES = ("comparison.html", "comparison.csv", "comparison.json")
 
@@ -215,17 +216,22 @@ class Comparison:
         return pd.DataFrame(columns, index=pd.Index(self.laws, name="law"))
 
     @numpy_settings()
-    def plot(self, path: str | os.PathLike | None = None) -> "Figure":
-        """Draw the difference of each law to the best, with two standard errors.
+    def to_xarray(self) -> "xr.Dataset":
+        """Make a dataset of the same over `law`."""
+        return self.to_dataframe().to_xarray()
+
+    @numpy_settings()
+    def plot(self, path: str | os.PathLike | None = None, *, ax=None):
+        """Draw the difference of each law to the best, with two standard errors, and
+        return the axes.
 
         Args:
-            path: file to save the figure in too; replaced once the new one is whole.
+            path, ax: as for `Calibration.plot`.
         """
-        from ..plotting.style import save_figure
+        from ..plotting.style import plotted
         from .report.drawings import draw_comparison
 
-        figure = draw_comparison(self.compared)
-        return save_figure(figure, None if path is None else Path(path))
+        return plotted(partial(draw_comparison, self.compared), path, ax)
 
     @numpy_settings()
     def predict(self, tests: str | os.PathLike | Mapping) -> StackedPrediction:

@@ -5,7 +5,6 @@ and it works without a display.
 """
 
 import re
-from pathlib import Path
 
 import jax
 import numpy as np
@@ -27,11 +26,12 @@ from .style import (
     SOIL,
     VERMILION,
     WIDTH,
+    On,
     empty_panel,
     few_ticks,
+    given_axes,
     in_style,
     plain,
-    save_figure,
 )
 
 FORCE_UNITS = ((1e3, "kN"), (1.0, "N"))
@@ -44,32 +44,41 @@ def plot_impact(
     summary: ImpactSummary,
     scene: Scene,
     history: History,
-    path: str | Path | None = None,
+    on: On = None,
 ) -> Figure:
     """Draw one impact, as `ImpactResult.plot` does.
 
     Args:
         history: its start and every step, as `simulate` gives it with `history=True`.
+        on: an empty figure, or five axes.
 
     A block that separates, or an impact that failed, gives panels that show what there
     is and say so.
     """
-    figure = Figure(figsize=(WIDTH, 9.0))
-    grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.3))
-    figure.suptitle(f"{scene_in_words(scene)}\n{outcome_in_words(summary)}")
+    if on is None or isinstance(on, Figure):
+        figure, panels = _five_panels(on or Figure())
+        figure.suptitle(f"{scene_in_words(scene)}\n{outcome_in_words(summary)}")
+    else:
+        figure, panels = given_axes(on, 5)
     history = _finite_part(history)
     if summary.outcome_code == Outcome.separating:
         history = _first_rows(history, 1)
-    places = grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]
-    panels = [figure.add_subplot(place) for place in places]
-    for axes in panels:
-        few_ticks(axes, 3.0, 2.0)
     draw_forces(panels[0], summary, history)
     draw_depth(panels[1], summary, history)
     draw_rotation(panels[2], history)
     draw_energy(panels[3], history)
     draw_side_view(panels[4], scene, history)
-    return save_figure(figure, path)
+    return figure
+
+
+def _five_panels(figure: Figure) -> tuple[Figure, list[Axes]]:
+    figure.set_size_inches(WIDTH, 9.0)
+    grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.3))
+    places = grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]
+    panels = [figure.add_subplot(place) for place in places]
+    for axes in panels:
+        few_ticks(axes, 3.0, 2.0)
+    return figure, panels
 
 
 def _finite_part(history: History) -> History:

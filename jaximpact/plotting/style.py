@@ -8,9 +8,9 @@ import contextlib
 import io
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import matplotlib.style
 import numpy as np
@@ -22,6 +22,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from PIL import Image
 
 from .._settings import numpy_settings
+from ..errors import InputError
 from ..io.files import replacing
 
 # Okabe and Ito's colours, which colour-blind readers tell apart.
@@ -69,6 +70,60 @@ style, whatever the user's own is. Some letters are laid out only when the drawi
 saved."""
 
 
+On = Figure | Axes | Sequence[Axes] | np.ndarray | None
+"""An empty figure, or axes, to draw on; None for a new figure."""
+
+
+def given_axes(on: Any, count: int) -> tuple[Any, list[Axes]]:
+    """Return the figure of axes that a user gave, and these. Raises InputError unless
+    there is one for each panel."""
+    axes = list(np.ravel(on))
+    if len(axes) != count or not all(isinstance(one, Axes) for one in axes):
+        raise InputError(
+            f"ax must be Matplotlib's axes, one for each of {count} panels, but is "
+            f"{on!r}"
+        )
+    return axes[0].get_figure(), axes
+
+
+@in_style
+def plotted(
+    draw: Callable[..., Figure],
+    path: str | os.PathLike | None = None,
+    ax: Axes | Sequence[Axes] | np.ndarray | None = None,
+) -> Any:
+    """Draw what a `plot` method shows, and return its axes, an array of several.
+
+    Args:
+        draw: function of `on`, as for `panels`.
+        path: file to save the figure in too; replaced once the new one is whole.
+        ax: axes to draw on, one for each panel. Without axes and path the figure is one
+            of `matplotlib.pyplot`, which notebooks and `pyplot.show()` show.
+    """
+    if ax is not None or path is not None:
+        return _axes_of(save_figure(draw(on=Figure() if ax is None else ax), path), ax)
+    from matplotlib import pyplot
+
+    figure = pyplot.figure()
+    try:
+        return _axes_of(draw(on=figure), None)
+    except BaseException:
+        pyplot.close(figure)
+        raise
+
+
+def _axes_of(figure: Figure, given: Any) -> Any:
+    if given is not None:
+        return given
+    # A second scale has the place of its panel, and a bar of colours none.
+    by_place = {}
+    for axes in figure.axes:
+        by_place.setdefault(axes.get_subplotspec(), axes)
+    by_place.pop(None, None)
+    axes = [*by_place.values()]
+    return axes[0] if len(axes) == 1 else np.array(axes)
+
+
 @in_style
 def panels(
     rows: int = 1,
@@ -78,6 +133,7 @@ def panels(
     width: float = WIDTH,
     title: str | None = None,
     count: int | None = None,
+    on: On = None,
     **subplots,
 ) -> tuple[Figure, list[Axes]]:
     """Begin a figure of panels, and return it with the panels, row by row.
@@ -86,10 +142,14 @@ def panels(
         height: of a row [inch].
         width: of the figure [inch].
         count: of the panels, where the last row is not full.
+        on: an empty figure; or axes, one for each panel, whose figure stays as it is.
         subplots: further arguments of `Figure.subplots`, such as sharex.
     """
+    if on is not None and not isinstance(on, Figure):
+        return given_axes(on, count or rows * columns)
     room = 0.4 if title else 0.0
-    figure = Figure(figsize=(width, rows * height + room))
+    figure = on or Figure()
+    figure.set_size_inches(width, rows * height + room)
     if title:
         figure.suptitle(title)
     axes = list(figure.subplots(rows, columns, squeeze=False, **subplots).flat)
@@ -188,6 +248,9 @@ def legend_outside(
     if handles:
         columns = 1 if place.startswith("right") else min(len(handles), 6)
         how = {"ncols": columns, "columnspacing": 1.2, **how}
+        if not figure.get_constrained_layout():  # a user's, which keeps no room
+            figure.axes[0].legend(handles=handles, **how)
+            return
         how["loc"] = f"outside {place}"
         rows = math.ceil(len(handles) / how["ncols"])
         if not place.startswith("right") and rows > 8:

@@ -3,11 +3,14 @@
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .._tables import align
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 ROUNDING = 1e-9
 """Size below which a number is shown as 0: what rounding leaves of it, as of the height
@@ -43,6 +46,13 @@ class Table(NamedTuple):
         writer = csv.writer(text, lineterminator="\n")
         writer.writerows([self.columns, *self.rows])
         return text.getvalue()
+
+    def frame(self) -> "pd.DataFrame":
+        """Make a data frame, with NaN for None."""
+        import pandas as pd
+
+        rows = [[np.nan if c is None else c for c in row] for row in self.rows]
+        return pd.DataFrame(rows, columns=list(self.columns))
 
 
 def cell_text(value: object) -> str:

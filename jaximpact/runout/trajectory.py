@@ -3,7 +3,8 @@
 import dataclasses
 import enum
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +13,10 @@ from ..scene import GRAVITY
 from .blocks import Body, Release, select
 from .lane_programs import Values
 from .terrain import Profile
+
+if TYPE_CHECKING:  # both take a while to load
+    import pandas as pd
+    import xarray as xr
 
 
 class MotionMode(enum.IntEnum):
@@ -194,6 +199,42 @@ class Runs(ShownAsTable):
             str(Ending(code)): int(count)
             for code, count in zip(codes, counts, strict=True)
         }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Make a table with one row a block: `ending` in words, `x_m`, `y_m` and
+        `time_s` of the end, and `events`. Contacts and pieces are columns already:
+        `pandas.DataFrame(runs.contacts._asdict())`."""
+        return self.to_xarray().to_dataframe()
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Make a dataset of the same over `block`, with units."""
+        import xarray as xr
+
+        endings = np.array([str(ending) for ending in Ending])[self.ending]
+        variables = {"ending": ("block", endings, {"long_name": "ending"})}
+        for name, values, unit, meaning in (
+            ("x_m", self.x, "m", "x of the centre at the end"),
+            ("y_m", self.y, "m", "y of the centre at the end"),
+            ("time_s", self.time, "s", "time of the end since release"),
+            ("events", self.events, "-", "contacts and legs along the ground"),
+        ):
+            attributes = {"units": unit, "long_name": meaning}
+            variables[name] = ("block", values, attributes)
+        return xr.Dataset(variables, {"block": np.arange(len(self.ending))})
+
+    def plot(self, path=None, *, ax=None):
+        """Draw the trajectories, coloured by speed, over the profile, and return the
+        axes.
+
+        Args:
+            path: file to save the figure in too; replaced once the new one is whole.
+            ax: axes to draw on. Without axes and path the figure is one of
+                `matplotlib.pyplot`, which notebooks show.
+        """
+        from ..plotting.style import plotted
+        from .trajectory_drawing import draw_runs
+
+        return plotted(partial(draw_runs, self), path, ax)
 
     def energy_of_pieces(self) -> np.ndarray:
         """Compute kinetic and potential energy at the start of each piece [J], shape

@@ -1,7 +1,5 @@
 """Drawings of elasticities and Sobol indices; apart, since Matplotlib loads slowly."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -9,28 +7,36 @@ from matplotlib.figure import Figure
 
 from ..plotting.style import (
     BLUE,
+    SKY,
     VERMILION,
+    On,
     empty_panel,
     in_style,
+    legend_outside,
     panels,
-    save_figure,
 )
 from .elasticities import Check, State
 
 ELASTICITIES_TITLE = "Elasticities: % of the output for 1 % of the parameter"
 TOTALS_TITLE = "Total Sobol indices: part of the variance that needs the parameter"
+SOBOL_TITLE = "Sobol indices: part of the variance, alone and with interactions"
+SOBOL_BARS = (
+    ("first_order", "first order", BLUE, 0.2),
+    ("total_order", "total", SKY, -0.2),
+)
+"""Variable, label, colour and place of the bars of a parameter."""
 DOUBTFUL = (Check.differs, Check.undecided)
 """Verdicts by which differences do not confirm a derivative."""
 
 
 @in_style
-def plot_tornado(dataset: xr.Dataset, path: str | Path | None = None) -> Figure:
+def draw_tornado(dataset: xr.Dataset, on: On = None) -> Figure:
     """Draw the elasticities of one impact, a panel for each output.
 
     Args:
         dataset: from `elasticities`, of one impact; a choice of outputs by
             `dataset.sel(output=[...])`.
-        path: where to save the figure too, in the format that the suffix names.
+        on: as for `panels`.
 
     Bars have the panel's own scale. A bar that differences do not confirm is hatched,
     and its number bears a question mark. What has no elasticity has no bar, and the
@@ -47,10 +53,11 @@ def plot_tornado(dataset: xr.Dataset, path: str | Path | None = None) -> Figure:
         height=1.3 + 0.28 * dataset.sizes["parameter"],
         count=count,
         title=ELASTICITIES_TITLE,
+        on=on,
     )
     for panel, name in zip(axes, dataset.output.values, strict=True):
         _draw_tornado(panel, dataset.sel(output=name))
-    return save_figure(figure, path)
+    return figure
 
 
 def _draw_tornado(axes: Axes, of_output: xr.Dataset) -> None:
@@ -96,13 +103,13 @@ def _draw_tornado(axes: Axes, of_output: xr.Dataset) -> None:
 
 
 @in_style
-def plot_heat_map(dataset: xr.Dataset, path: str | Path | None = None) -> Figure:
+def draw_heat_map(dataset: xr.Dataset, on: On = None) -> Figure:
     """Draw the elasticities of one impact, or total Sobol indices, as a table in
     colours: outputs down, parameters across, each with its number.
 
     Args:
         dataset: from `elasticities`, of one impact, or from `sobol`.
-        path: where to save the figure too, in the format that the suffix names.
+        on: as for `panels`.
 
     A cell without a number is grey and says why; a question mark stands where
     differences do not confirm a derivative.
@@ -116,7 +123,7 @@ def plot_heat_map(dataset: xr.Dataset, path: str | Path | None = None) -> Figure
     rows, columns = values.shape
     title = ELASTICITIES_TITLE if signed else TOTALS_TITLE
     width = min(8.0, 4.5 + 0.8 * columns)
-    figure, (axes,) = panels(height=1.5 + 0.3 * rows, width=width, title=title)
+    figure, (axes,) = panels(height=1.5 + 0.3 * rows, width=width, title=title, on=on)
     image = axes.imshow(
         np.ma.masked_invalid(values),
         aspect="auto",
@@ -140,7 +147,52 @@ def plot_heat_map(dataset: xr.Dataset, path: str | Path | None = None) -> Figure
     axes.set(xlabel="parameter", ylabel="output")
     words = "elasticity [-]" if signed else "total index [-]"
     figure.colorbar(image, ax=axes, label=words, extend="both" if signed else "neither")
-    return save_figure(figure, path)
+    return figure
+
+
+@in_style
+def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
+    """Draw first-order and total Sobol indices with their 95 % intervals, a panel for
+    each output, the parameter of the largest total index on top.
+
+    Args:
+        dataset: from `sobol`; a choice of outputs by `dataset.sel(output=[...])`.
+        on: as for `panels`.
+
+    Raises ValueError for a dataset of something else.
+    """
+    _check_dimensions(dataset, "total_order")
+    count, parameters = dataset.sizes["output"], dataset.sizes["parameter"]
+    columns = min(count, 3)
+    height = 1.1 + 0.4 * parameters
+    rows = -(-count // columns)
+    figure, axes = panels(
+        rows, columns, height=height, count=count, title=SOBOL_TITLE, on=on
+    )
+    for panel, name in zip(axes, dataset.output.values, strict=True):
+        of_output = dataset.sel(output=name)
+        panel.set_title(name)
+        if not np.any(np.isfinite(of_output.total_order)):
+            empty_panel(panel, str(of_output.reason.values))
+            continue
+        of_output = of_output.sortby("total_order")
+        places = np.arange(parameters)
+        for order, label, colour, side in SOBOL_BARS:
+            panel.barh(
+                places + side,
+                of_output[order],
+                0.38,
+                xerr=of_output[f"{order}_interval"],
+                color=colour,
+                label=label,
+                error_kw={"lw": 1.0},
+            )
+        panel.set_yticks(places, of_output.parameter.values)
+        panel.grid(visible=False, axis="y")
+        panel.axvline(0.0, color="black", lw=0.8)
+        panel.set_xlabel("Sobol index [-]")
+    legend_outside(figure, ncols=2)
+    return figure
 
 
 def _check_dimensions(dataset: xr.Dataset, variable: str) -> None:

@@ -9,6 +9,7 @@ import pytest
 from calibrated_twin import TRUE, results_of_model
 from calibration_studies import write_study_of
 from error_messages import assert_one_line_error
+from matplotlib import pyplot
 from text_files import rows_of, write_columns
 
 import jaximpact
@@ -134,9 +135,51 @@ def test_a_summary_says_what_is_not_determined(written):
     assert tree["variants"][0]["parameters"] == found.parameters
 
 
-def test_a_plot_is_a_file(found, tmp_path):
-    found.plot(tmp_path / "fit.png")
-    assert (tmp_path / "fit.png").stat().st_size > 1000
+def test_plots_are_axes_and_files(found, tmp_path):
+    path = tmp_path / "fit.png"
+    drawn = found.plot(path)
+    assert path.stat().st_size > 1000
+    figure, axes = pyplot.subplots(2, 2)
+    targets = found.result.study.targets
+    assert len(np.ravel(drawn)) == len(targets)
+    assert found.plot_profile("c_v", ax=axes[0, 0]) is axes[0, 0]
+    assert axes[0, 0].get_xlabel() == "c_v"
+    found.plot_residuals("speed_mps", ax=axes[0, 1])
+    assert axes[0, 1].get_xlabel() == "speed [m/s]"
+    found.plot_draws("c_v", "gamma_v", ax=axes[1, 0])
+    assert axes[1, 0].get_ylabel() == "gamma_v [m/s]"
+    pyplot.close(figure)
+    for plot in (found.plot_profile, found.plot_residuals):
+        with pytest.raises(InputError, match="did you mean"):
+            plot("c_w")
+
+
+def test_tables_of_a_fit(found):
+    """They hold the numbers of the result, under the names of the reports."""
+    (variant,), parameters = found.result.variants, found.to_dataframe()
+    for name, one in found.parameters.items():
+        row = parameters.loc[name]
+        assert (row.value, row.identifiable) == (one["value"], one["determined"])
+        error = np.nan if one["standard_error"] is None else one["standard_error"]
+        assert row.standard_error == pytest.approx(error, nan_ok=True)
+    assert parameters.unit["gamma_v"] == "m/s"
+    errors = np.sqrt(np.diag(found.to_dataframe("covariance")))
+    expected = [variant.standard_error(place) for place in range(len(errors))]
+    np.testing.assert_allclose(errors, expected)
+    draws = found.to_dataframe("draws")
+    assert draws.weight.sum() == pytest.approx(1.0)
+    assert list(draws) == [*variant.names, "weight"]
+    profile = found.to_dataframe("profiles").groupby("parameter").get_group("c_v")
+    assert profile.likelihood_ratio.min() == pytest.approx(0.0, abs=1e-3)
+    residuals = found.to_dataframe("residuals")
+    np.testing.assert_allclose(
+        residuals.fitted - residuals.measured, residuals.residual, atol=1e-15
+    )
+    dataset = found.to_xarray()
+    np.testing.assert_array_equal(dataset.fitted, variant.predicted)
+    np.testing.assert_array_equal(dataset.draws.sel(parameter="c_v"), draws["c_v"])
+    with pytest.raises(InputError, match="did you mean parameters"):
+        found.to_dataframe("parameter")
 
 
 def test_columns_are_read_as_their_table_is(tmp_path, twin):
@@ -211,6 +254,15 @@ def test_new_tests_are_predicted(found, new):
     assert "angle_deg 75 (fitted: 0 alone) in steep." in text
     assert "near" not in text.split("\n\n")[0]
     assert "8 of 8 measurements lie within their 95 % intervals" in text
+    dataset = prediction.to_xarray().isel(variant=0).sel(target="max_penetration_m")
+    np.testing.assert_array_equal(dataset.predicted, variant.middle[:, 1])
+    assert dataset.name.values.tolist() == new["name"]
+    assert str(dataset.unit.values) == "m"
+    figure, axes = pyplot.subplots(1, 2)
+    assert prediction.plot(ax=axes) is axes
+    medians = next(line for line in axes[1].lines if line.get_label() == "median")
+    np.testing.assert_array_equal(medians.get_ydata(), variant.middle[:, 1])
+    pyplot.close(figure)
 
 
 def test_limits_and_gaps_are_respected(found, new):

@@ -22,7 +22,7 @@ from jaximpact import (
 )
 from jaximpact.errors import InputError
 from jaximpact.quantities import RESULT_COLUMNS
-from jaximpact.sensitivity.figures import plot_heat_map
+from jaximpact.sensitivity.figures import draw_heat_map, draw_sobol
 from jaximpact.sensitivity.global_methods import (
     LEVELS,
     morris_of,
@@ -256,9 +256,14 @@ def test_a_study_of_a_known_function(ishigami_model, tmp_path):
 
     write_netcdf(tmp_path / "indices.nc", found)
     assert read_netcdf(tmp_path / "indices.nc").total_order.equals(found.total_order)
-    assert [t.get_text() for t in plot_heat_map(found).axes[0].texts][3:6] == [
+    assert [t.get_text() for t in draw_heat_map(found).axes[0].texts][3:6] == [
         "none"
     ] * 3
+    of_e_n, of_e_t, _ = draw_sobol(found).axes
+    bars = [bar.get_width() for bar in of_e_n.patches]
+    ranked = e_n.sortby("total_order")
+    np.testing.assert_array_equal(bars, [*ranked.first_order, *ranked.total_order])
+    assert "no group" in of_e_t.texts[0].get_text()
 
 
 def test_effects_of_a_known_function(ishigami_model):

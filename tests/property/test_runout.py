@@ -5,6 +5,7 @@ import dataclasses
 import jax
 import numpy as np
 import pytest
+from matplotlib import pyplot
 from runout_scenes import (
     BIPLANAR,
     DEAD,
@@ -437,3 +438,18 @@ def test_a_block_rolls_over_a_break_that_throws_it_less_than_a_hop():
         goes_on = runs.pieces.motion[rolling[0] + 1 :]
         motions.append((low, goes_on[goes_on != MotionMode.contact][0]))
     assert motions == [(True, MotionMode.rolling), (False, MotionMode.flight)]
+
+
+def test_runs_are_a_table_a_dataset_and_a_drawing():
+    release = Release(SPHERE, np.array([300.0, 500.0]), 1.0 + R, v_x=[2.0, 0.0])
+    law = ClosedForm(ConstantCoefficients(0.7, 1))
+    runs = simulate_runout(FLAT, release, law)
+    frame = runs.to_dataframe()
+    assert frame.ending.tolist() == ["stopped"] * 2
+    np.testing.assert_array_equal(frame.x_m, runs.x)
+    assert runs.to_xarray().time_s.units == "s"
+    figure, axes = pyplot.subplots()
+    assert runs.plot(ax=axes) is axes
+    ends = next(line for line in axes.lines if line.get_label() == "end")
+    np.testing.assert_array_equal(ends.get_xdata(), runs.x)
+    pyplot.close(figure)

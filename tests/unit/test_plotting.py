@@ -5,9 +5,12 @@ import jax
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline
+from jaximpact.plotting.style import plotted
 
 PANELS = ["contact force", "penetration", "rotation", "energy", "side view, to scale"]
 
@@ -22,30 +25,37 @@ def result():
     return recorded(block, Soil(), Impact(angle=0.7, orientation=0.3, slope=0.2))
 
 
-def panels(figure):
-    return {axes.get_title(): axes for axes in figure.axes if axes.get_title()}
+def panels(drawn):
+    return {axes.get_title(): axes for axes in drawn}
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    """Figures of pyplot's are closed: more than 20 are a warning."""
+    yield
+    pyplot.close("all")
 
 
 @pytest.mark.slow
 def test_without_a_history_one_is_recorded_under_the_laws_of_the_result():
     result = simulate(Block(), Soil(flow="AbsoluteOverstress"), accuracy="fast")
-    figure = result.plot()
-    (depth, *_) = panels(figure)["penetration"].get_lines()
+    axes = result.plot()
+    (depth, *_) = panels(axes)["penetration"].get_lines()
     drawn = np.max(np.abs(depth.get_ydata()))
     # In cm; of the steps' ends, between two of which the largest lies.
     np.testing.assert_allclose(0.01 * drawn, result.max_penetration, rtol=5e-3)
     usual = simulate(Block(), accuracy="fast").max_penetration
     assert abs(usual / result.max_penetration - 1.0) > 0.1
     # Without tangential velocity there is no coefficient of it.
-    assert "e_t" not in figure.get_suptitle()
+    assert "e_t" not in axes[0].figure.get_suptitle()
 
 
 @pytest.mark.slow
 def test_shows_what_the_history_holds(result):
-    figure = result.plot()
+    axes = result.plot()
     for words in ("100 kg", f"{np.degrees(0.7):.3g}°", str(result.outcome)):
-        assert words in figure.get_suptitle()
-    drawn = panels(figure)
+        assert words in axes[0].figure.get_suptitle()
+    drawn = panels(axes)
     assert list(drawn) == PANELS
     history = result.history
     lines = {line.get_label(): line for line in drawn["contact force"].get_lines()}
@@ -125,9 +135,9 @@ def test_separating_block_is_drawn_without_a_course():
         Impact(angle=1.4, orientation=0.8, angular_velocity=100.0),
     )
     assert leaving.outcome is Outcome.separating
-    figure = leaving.plot()
-    assert "separating" in figure.get_suptitle()
-    assert len(panels(figure)["side view, to scale"].get_lines()) == 4
+    axes = leaving.plot()
+    assert "separating" in axes[0].figure.get_suptitle()
+    assert len(panels(axes)["side view, to scale"].get_lines()) == 4
 
 
 @pytest.mark.slow
@@ -142,11 +152,38 @@ def test_failed_impact_is_drawn_as_far_as_it_came(result, rows, tmp_path):
         eqx.combine(numbers, result),
         (result.scene, broken, float(Outcome.failed)),
     )
-    figure = failed.plot(tmp_path / "failed.png")
-    assert "FAILED" in figure.get_suptitle()
+    axes = failed.plot(tmp_path / "failed.png")
+    assert "FAILED" in axes[0].figure.get_suptitle()
 
 
 def test_many_scenes_are_refused(result):
     many = eqx.tree_at(lambda r: r.outcome_code, result, np.zeros(3))
     with pytest.raises(ValueError, match="one impact"):
         many.plot()
+
+
+def test_axes_given_are_drawn_on_and_returned(result):
+    figure, axes = pyplot.subplots(5, 1, figsize=(6.0, 12.0))
+    assert result.plot(ax=axes) is axes
+    assert [panel.get_title() for panel in axes] == PANELS
+    assert pyplot.get_fignums() == [figure.number]
+    with pytest.raises(InputError, match="one for each of 5 panels"):
+        result.plot(ax=axes[:2])
+
+
+def test_figures_that_are_not_saved_are_pyplots(result, tmp_path):
+    result.plot(tmp_path / "impact.png")
+    assert not pyplot.get_fignums()
+    axes = result.plot()
+    assert [pyplot.figure(number) for number in pyplot.get_fignums()] == [
+        axes[0].figure
+    ]
+
+
+def test_a_drawing_that_fails_leaves_no_figure():
+    def fails(on):
+        raise ValueError
+
+    with pytest.raises(ValueError):  # noqa: PT011
+        plotted(fails)
+    assert not pyplot.get_fignums()

@@ -11,6 +11,7 @@ from ...plotting.style import (
     BLUE,
     GREY,
     VERMILION,
+    On,
     in_style,
     legend_outside,
     log_scale,
@@ -27,9 +28,16 @@ from ..diagnostics.posterior import Draws, root_of
 from ..diagnostics.predictive import Bands
 from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
+from ..prediction import PredictedTests, VariantPrediction
 from ..problem.bounds import Bounds
 from ..problem.config import Study
 
+MEASURED = {
+    0: ("x", "measured"),
+    1: ("^", "measured: above"),
+    -1: ("v", "measured: below"),
+}
+"""Marker and words of measurements and limits, by their side."""
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: two stand side by side on a page."""
 
@@ -41,8 +49,8 @@ def most_correlated(variant: VariantResult) -> list[tuple[int, int]]:
     return sorted(pairs, key=lambda pair: -correlation[pair])[:3]
 
 
-def _panel() -> tuple[Figure, Axes]:
-    figure, (axes,) = panels(width=WIDTH, height=HEIGHT)
+def _panel(on: On = None) -> tuple[Figure, Axes]:
+    figure, (axes,) = panels(width=WIDTH, height=HEIGHT, on=on)
     axes.spines[["top", "right"]].set_visible(False)
     return figure, axes
 
@@ -66,12 +74,12 @@ def only_varying(result: StudyResult) -> str | None:
 
 
 @in_style
-def draw_study(result: StudyResult) -> Figure:
+def draw_study(result: StudyResult, on: On = None) -> Figure:
     """Draw the fits of every target by all variants; see `_fitted`."""
     study, count = result.study, len(result.study.targets)
     columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
     rows, title = -(-count // columns), plain(study.title)
-    figure, axes = panels(rows, columns, height=3.0, title=title, count=count)
+    figure, axes = panels(rows, columns, height=3.0, title=title, count=count, on=on)
     for target, panel in enumerate(axes):
         _fitted(panel, result, target, result.variants)
     legend_outside(figure, ncols=3)
@@ -141,12 +149,11 @@ def _fitted(
     axes.errorbar(
         x[exact], measured[exact], sigma, marker="x", label="measured", **black
     )
-    for sign, marker, word in ((1, "^", "above"), (-1, "v", "below")):
-        of_sign = known & (censored == sign)
+    for sign in (1, -1):
+        of_sign, (marker, words) = known & (censored == sign), MEASURED[sign]
         if np.any(of_sign):
-            label = f"measured: {word}"
             axes.plot(
-                x[of_sign], measured[of_sign], marker=marker, label=label, **black
+                x[of_sign], measured[of_sign], marker=marker, label=words, **black
             )
     axes.set_xlabel(label_of(along, study.tests.known_columns))
     axes.set_ylabel(label_of(study.targets[target]))
@@ -154,7 +161,11 @@ def _fitted(
 
 @in_style
 def draw_residuals(
-    result: StudyResult, variant: VariantResult, residuals: Residuals, against: str
+    result: StudyResult,
+    variant: VariantResult,
+    residuals: Residuals,
+    against: str,
+    on: On = None,
 ) -> Figure:
     """Draw residuals over an input, or over "prediction" (of several targets, each over
     its largest)."""
@@ -168,17 +179,17 @@ def draw_residuals(
         shown = np.where(np.isfinite(values), np.abs(variant.predicted), np.nan)
         along = variant.predicted / np.nanmax(shown, axis=0)
         label = "prediction over the largest of its target [-]"
-    figure, axes = _about_zero(study, along, values, 2.0)
+    figure, axes = _about_zero(study, along, values, 2.0, on)
     axes.set_xlabel(label)
     axes.set_ylabel("residual [standard deviations]")
     return figure
 
 
 def _about_zero(
-    study: Study, along: np.ndarray, values: np.ndarray, band: float
+    study: Study, along: np.ndarray, values: np.ndarray, band: float, on: On = None
 ) -> tuple[Figure, Axes]:
     """Draw values of all tests and targets about a grey band."""
-    figure, axes = _panel()
+    figure, axes = _panel(on)
     axes.axhspan(-band, band, color=GREY, alpha=0.15, linewidth=0)
     axes.axhline(0.0, color=GREY, linewidth=1)
     for target, name in enumerate(study.targets):
@@ -203,13 +214,15 @@ def draw_quantiles(residuals: Residuals) -> Figure:
 
 
 @in_style
-def draw_profile(variant: VariantResult, profile: LikelihoodProfile) -> Figure:
+def draw_profile(
+    variant: VariantResult, profile: LikelihoodProfile, on: On = None
+) -> Figure:
     """Draw the likelihood ratio where a parameter is fixed and, if it is identifiable,
     the parabola of its standard error."""
     # Which only reports need: it takes its time to import.
     from scipy.interpolate import PchipInterpolator
 
-    figure, axes = _panel()
+    figure, axes = _panel(on)
     index = variant.names.index(profile.name)
     uncertainty = variant.uncertainty
     bounds = Bounds(*(part[index] for part in variant.bounds))
@@ -263,10 +276,12 @@ def _scale(axes: Axes, which: str, low: float, high: float, logarithmic: bool) -
 
 
 @in_style
-def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> Figure:
+def draw_pair(
+    variant: VariantResult, draws: Draws, first: int, second: int, on: On = None
+) -> Figure:
     """Draw two parameters of the posterior and, where both are identifiable, the 95 %
     ellipse of the covariance."""
-    figure, axes = _panel()
+    figure, axes = _panel(on)
     bounds, pair = variant.bounds, [first, second]
     random = np.random.default_rng(0)
     chosen = random.choice(len(draws.x), 400, p=draws.weights)
@@ -329,11 +344,11 @@ def draw_candidates(suggestions: Suggestions) -> Figure:
 
 
 @in_style
-def draw_comparison(compared: Compared) -> Figure:
+def draw_comparison(compared: Compared, on: On = None) -> Figure:
     """Draw the difference of each law to the best, with two standard errors."""
     ranking = compared.ranking()
     count = len(compared.laws)
-    figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
+    figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count, on=on)
     places = np.arange(count)
     apart, error = ranking.apart, np.nan_to_num(2.0 * ranking.error)
     for place in places:
@@ -349,4 +364,39 @@ def draw_comparison(compared: Compared) -> Figure:
     axes.set_xlabel(
         "log predictive density less that of the best, with two standard errors"
     )
+    return figure
+
+
+@in_style
+def draw_predictions(
+    prediction: PredictedTests, variant: VariantPrediction, on: On = None
+) -> Figure:
+    """Draw the predicted measurements of each target, test by test: median, 50 % and
+    95 % intervals, and what was measured."""
+    count, tests = len(prediction.targets), np.arange(1, len(prediction.tests) + 1)
+    columns = min(count, 2)
+    figure, axes = panels(-(-count // columns), columns, height=3.0, count=count, on=on)
+    for target, (name, panel) in enumerate(zip(prediction.targets, axes, strict=True)):
+        style: dict[str, Any] = dict(color=BLUE)
+        for kind, width in ((50, 4.0), (95, 1.2)):
+            ends = (getattr(variant, f"{e}_{kind}")[:, target] for e in ("low", "high"))
+            label = f"predicted, {kind} %"
+            panel.vlines(tests, *ends, lw=width, alpha=0.5, label=label, **style)
+        panel.plot(tests, variant.middle[:, target], "o", label="median", **style)
+        measured, side = (
+            of[:, target] for of in (prediction.measured, prediction.censored)
+        )
+        for sign, (marker, words) in MEASURED.items():
+            there = np.isfinite(measured) & (side == sign)
+            if np.any(there):
+                black: dict[str, Any] = dict(color="black", ls="none", label=words)
+                panel.plot(tests[there], measured[there], marker=marker, **black)
+        if len(tests) <= 12:
+            names = [plain(prediction.tests.name(test - 1)) for test in tests]
+            panel.set_xticks(tests, names, rotation=45, ha="right")
+        else:
+            panel.set_xlabel("test")
+        panel.set_xlim(0.5, len(tests) + 0.5)
+        panel.set_ylabel(label_of(name))
+    legend_outside(figure, ncols=4)
     return figure

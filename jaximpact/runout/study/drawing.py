@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -20,7 +19,6 @@ from ...plotting.style import (
     ORANGE,
     SOIL,
     VERMILION,
-    WIDTH,
     curve,
     empty_panel,
     in_style,
@@ -30,6 +28,7 @@ from ...plotting.style import (
 )
 from ..terrain import Profile, ground_columns, ground_values
 from ..trajectory import Ending, Runs
+from ..trajectory_drawing import add_trajectories, bottom_of, height_of
 
 CURVES = (
     ("passage_energy_J", "kinetic energy [kJ]", 1e-3),
@@ -54,29 +53,14 @@ def draw_trajectories(
     runs: Runs, drawn: "DrawnGrounds", collectors: np.ndarray, title: str
 ) -> Figure:
     """Draw the trajectories of all blocks, coloured by speed, over the profile."""
-    shape = np.ptp(runs.profile.y) / np.ptp(runs.profile.x)
-    height = float(np.clip(0.9 * WIDTH * shape + 1.5, 2.8, 9.0))
-    count = runs.release.count
-    title = f"{plain(title)}: the first {count} trajectories"
-    figure, (axes,) = panels(height=height, title=title)
+    title = f"{plain(title)}: the first {runs.release.count} trajectories"
+    figure, (axes,) = panels(height=height_of(runs.profile), title=title)
     grounds = _draw_ground(axes, runs.profile, drawn)
-    lines, speeds = [], []
-    for i in range(count):
-        samples = runs.path(i, 0.02)  # [s]; smooth at the size of a page
-        points = np.stack([samples["x"], samples["y"]], axis=1)
-        lines += [*np.stack([points[:-1], points[1:]], axis=1)]
-        speeds.append(np.hypot(samples["v_x"], samples["v_y"])[:-1])
-    coloured = LineCollection(lines, array=np.concatenate(speeds), cmap="viridis", lw=1)
-    axes.add_collection(coloured)
-    handles = [*axes.plot(runs.x, runs.y, ".", color=VERMILION, ms=5, label="end")]
+    handles = add_trajectories(axes, runs)
     for x in collectors:
         line = axes.axvline(x, color=GREY, ls="--", lw=1.0, label="collector")
     handles += [line] if len(collectors) else []
     handles += grounds
-    figure.colorbar(coloured, ax=axes, label="speed [m/s]", shrink=0.8, pad=0.01)
-    axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.autoscale_view()
     # Some 95 characters fit side by side into a legend.
     longest = max(len(str(handle.get_label())) for handle in handles)
     legend_outside(figure, handles, ncols=max(1, min(4, 95 // (longest + 6))))
@@ -318,9 +302,3 @@ def _ground_values(
     values = ground_values(profile)
     in_units = [values[name] / columns[name].factor for name in names]
     return names, np.stack(in_units, axis=1)
-
-
-def bottom_of(profile: Profile) -> float:
-    """Give the height down to which the ground is drawn [m]."""
-    extent = max(np.ptp(profile.y), 0.2 * float(np.ptp(profile.x)))
-    return float(profile.y.min() - 0.05 * extent)

@@ -1,0 +1,165 @@
+"""Results of a calibration as data frames and datasets."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import check_choice
+from ...quantities import TARGET_COLUMNS, columns_of
+from ..diagnostics.examination import Examination
+from ..diagnostics.results import StudyResult, VariantResult
+from ..prediction import PredictedTests
+from .files import fitted_table
+from .prediction import prediction_table
+
+if TYPE_CHECKING:  # both take a while to load
+    import pandas as pd
+    import xarray as xr
+
+Fit = tuple[StudyResult, VariantResult, Examination]
+
+
+def frame_of(fit: Fit, table: str) -> "pd.DataFrame":
+    """Make one of `FRAMES` of a variant."""
+    check_choice("table", table, FRAMES)
+    return FRAMES[table](fit)
+
+
+def _parameters(fit: Fit) -> "pd.DataFrame":
+    import pandas as pd
+
+    _, variant, _ = fit
+    columns = columns_of(variant.objective.scene)
+    rows = []
+    for index, verdict in enumerate(variant.verdicts):
+        profile, known = variant.profiles[verdict.name], verdict.determined
+        low, high = variant.interval(index) if known else (np.nan, np.nan)
+        rows.append(
+            {
+                "value": variant.parameters[index],
+                "standard_error": variant.standard_error(index) if known else np.nan,
+                "low_95": low,
+                "high_95": high,
+                "profile_low_95": _end(profile.low_95),
+                "profile_high_95": _end(profile.high_95),
+                "lower_bound": variant.bounds.lower[index],
+                "upper_bound": variant.bounds.upper[index],
+                "identifiable": known,
+                "reason": verdict.reason,
+                "unit": columns[verdict.name].unit,
+            }
+        )
+    names = [verdict.name for verdict in variant.verdicts]
+    return pd.DataFrame(rows, index=pd.Index(names, name="parameter"))
+
+
+def _end(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def _covariance(fit: Fit) -> "pd.DataFrame":
+    _, variant, _ = fit
+    x = variant.bounds.coordinate(variant.parameters)
+    slope = variant.bounds.slope(x)
+    return _square(fit, variant.uncertainty.covariance * np.outer(slope, slope))
+
+
+def _correlation(fit: Fit) -> "pd.DataFrame":
+    return _square(fit, fit[1].uncertainty.correlation)
+
+
+def _square(fit: Fit, matrix: np.ndarray) -> "pd.DataFrame":
+    import pandas as pd
+
+    names = pd.Index(fit[1].names, name="parameter")
+    return pd.DataFrame(matrix, index=names, columns=names.rename("with"))
+
+
+def _profiles(fit: Fit) -> "pd.DataFrame":
+    import pandas as pd
+
+    return pd.concat(
+        [
+            pd.DataFrame(
+                {"parameter": name, "value": one.values, "likelihood_ratio": one.rise}
+            )
+            for name, one in fit[1].profiles.items()
+        ],
+        ignore_index=True,
+    )
+
+
+def _draws(fit: Fit) -> "pd.DataFrame":
+    import pandas as pd
+
+    _, variant, diagnostics = fit
+    draws = diagnostics.posterior
+    values = variant.bounds.parameter(draws.x)
+    frame = pd.DataFrame(values, columns=variant.names).rename_axis(index="draw")
+    return frame.assign(weight=draws.weights)
+
+
+def _residuals(fit: Fit) -> "pd.DataFrame":
+    result, variant, diagnostics = fit
+    one = result._replace(variants=[variant])
+    return fitted_table(one, [diagnostics]).frame().drop(columns="variant")
+
+
+FRAMES: dict[str, Callable[[Fit], "pd.DataFrame"]] = {
+    "parameters": _parameters,
+    "covariance": _covariance,
+    "correlation": _correlation,
+    "profiles": _profiles,
+    "draws": _draws,
+    "residuals": _residuals,
+}
+"""Tables of a fit, by name."""
+
+
+def dataset_of(fit: Fit) -> "xr.Dataset":
+    """Make a dataset of a variant."""
+    import xarray as xr
+
+    result, variant, diagnostics = fit
+    study, draws = result.study, diagnostics.posterior
+    soil = len(variant.verdicts)
+    errors = [variant.standard_error(place) for place in range(len(variant.names))]
+    errors[:soil] = _parameters(fit).standard_error
+    cells = ("test", "target")
+    dataset = xr.Dataset(
+        {
+            "value": ("parameter", variant.parameters),
+            "standard_error": ("parameter", errors),
+            "covariance": (("parameter", "with"), _covariance(fit).to_numpy()),
+            "draws": (("draw", "parameter"), variant.bounds.parameter(draws.x)),
+            "weight": ("draw", draws.weights),
+            "measured": (cells, study.measured),
+            "fitted": (cells, variant.predicted),
+            "sigma": (cells, variant.sigma),
+            "studentised_residual": (cells, diagnostics.residuals.values),
+        },
+        {
+            "parameter": variant.names,
+            "with": variant.names,
+            "test": np.arange(1, len(study.tests) + 1),
+            "target": list(study.targets),
+        },
+        {"title": study.title, "variant": variant.variant.name},
+    )
+    return _with_tests(dataset, study.tests)
+
+
+def dataset_of_predictions(prediction: PredictedTests) -> "xr.Dataset":
+    """Make a dataset of predictions over variants, tests and targets."""
+    frame = prediction_table(prediction).frame().drop(columns=["test", "outside"])
+    frame = frame.rename(columns={"row": "test"})
+    dataset = frame.set_index(["variant", "test", "target"]).to_xarray()
+    return _with_tests(dataset, prediction.tests)
+
+
+def _with_tests(dataset: "xr.Dataset", tests) -> "xr.Dataset":
+    """Add names of tests and units of targets."""
+    units = [TARGET_COLUMNS[str(name)].unit for name in dataset.target.values]
+    names = [tests.name(place) for place in range(len(tests))]
+    return dataset.assign_coords(name=("test", names), unit=("target", units))
