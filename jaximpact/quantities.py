@@ -348,13 +348,13 @@ ENERGY_COLUMNS = {
         "viscoplastic": "dissipated by yielding",
         "slider": "dissipated by sliding",
         "dashpot": "dissipated by damping",
-        "residual": "first four less the next five: error of the integration",
+        "residual": "error of the integration: first four less the next five",
     }.items()
 }
 """The items of the energy ledger."""
 OUTCOME_COLUMN = "outcome"
 OUTCOME_MEANING = (
-    "how it ended: detached, toppled, arrested, in contact, separating or failed"
+    "outcome: detached, toppled, arrested, in contact, separating or failed"
 )
 SIGMA_PREFIX = "sigma_"
 """Before the name of a result column: the standard deviation of a measured value."""

@@ -177,7 +177,8 @@ class ImpactResult(ImpactSummary):
 
         Quantities of the scene that vary are coordinates along the dimensions along
         which they do; all others stand in the attribute `base`. With the energy ledger
-        there are variables `energy_*_J`.
+        there are variables `energy_*_J`, and histories at times
+        of `save_at` that all impacts share are variables over `time`.
 
         Args:
             dims: names of the dimensions, one for each axis of `result.shape`; by

@@ -202,7 +202,7 @@ class Impact(Composite):
         0.0,
         "deg",
         "(-inf, inf)",
-        "angle from the ground's normal to the major axis",
+        "orientation, angle from the ground's normal to the major axis",
         usual=(-360.0, 360.0),
     )
     angular_velocity: Float[Array, ""] = parameter(

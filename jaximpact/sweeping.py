@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
@@ -13,12 +14,15 @@ from numpy.typing import ArrayLike
 from ._checks import expect, real_numbers
 from ._settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from .batch import simulate_batch
+from .backend.rows import in_parts
+from .batch import broadcast_scene, simulate_batch
 from .errors import InputError
-from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
+from .impact.results import SERIES
+from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene, check_times
 from .io.datasets import (
     OUTPUT_COLUMNS,
     attributes_of,
+    check_beside_series,
     dataset_of,
     shape_coordinate,
 )
@@ -34,8 +38,9 @@ from .io.toml import (
     whole,
 )
 from .lazy.impacts import Chunks, lazy_grid
-from .progress import Progress, ProgressFunction
+from .progress import Progress, ProgressFunction, as_progress
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
+from .result import ImpactResult
 from .scene import Scene, SceneLike, as_scene
 from .scene_quantities import (
     SHAPE,
@@ -45,6 +50,7 @@ from .scene_quantities import (
     with_shapes,
 )
 from .shapes import AbstractShape
+from .simulation import simulate
 
 LABELS = "name"
 """Key, in a group of quantities, of the labels along its dimension."""
@@ -69,6 +75,7 @@ def sweep(
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
+    save_at: ArrayLike | None = None,
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
     chunks: Chunks | None = None,
@@ -86,6 +93,8 @@ def sweep(
             other name stands for quantities that vary together: a mapping from input
             columns to lists of one length, and optionally from `"name"` to labels.
         accuracy, journal, progress, executor: as for `simulate_batch`.
+        save_at: times since touch [s] at which forces and motion are wanted, one list
+            for all points: variables over `time`, as `simulate` gives them.
         chunks: lengths of blocks along all axes or each, or `"auto"`: nothing is
             computed until results are asked for, block by block, one thread each, by
             whatever scheduler or client of Dask there is. Needs `jaximpact[cluster]`.
@@ -108,6 +117,19 @@ def sweep(
     setting = get_accuracy(accuracy)
     grid = check_axes(axes, base, in_memory=chunks is None)
     kinds = [kind for axis in grid for kind in axis.values.get(SHAPE, ())]
+    if save_at is not None:
+        if not (chunks is None and journal is None and executor is None):
+            raise InputError(
+                "a sweep with save_at is computed at once, here: give it no chunks, "
+                "journal or executor"
+            )
+        times, _ = check_times(save_at, ())
+        if np.ndim(times) > 1:
+            raise InputError("save_at must be one list of times, for all points")
+        check_beside_series(axis.name for axis in grid)
+        points = math.prod(axis.length for axis in grid)
+        what = f"{points} points at {len(times)} times"
+        check_memory(points * len(times) * len(SERIES), what)
     if chunks is not None:
         if not (journal is None and progress is None and executor is None):
             raise InputError(
@@ -123,13 +145,16 @@ def sweep(
         )
     shape = tuple(axis.length for axis in grid)
     scene = spread(base, grid, shape)
-    result = simulate_batch(
-        scene,
-        accuracy=setting,
-        journal=journal,
-        progress=progress,
-        executor=executor,
-    )
+    if save_at is None:
+        result = simulate_batch(
+            scene,
+            accuracy=setting,
+            journal=journal,
+            progress=progress,
+            executor=executor,
+        )
+    else:
+        result = _with_histories(scene, setting, save_at, as_progress(progress))
     return dataset_of(
         result,
         setting,
@@ -140,6 +165,19 @@ def sweep(
         scene_values(base),
         kinds,
     )
+
+
+def _with_histories(
+    scene: Scene, accuracy: Accuracy, times: ArrayLike, progress: Progress
+) -> ImpactResult:
+    """Simulate scenes with their histories, some at a time."""
+    scene, count = broadcast_scene(scene)
+    results = []
+    for part in in_parts(np.arange(count)):
+        some = jax.tree.map(lambda leaf, part=part: leaf[part], scene)
+        results.append(simulate(some, accuracy=accuracy, save_at=times))
+        progress("impacts", int(part[-1]) + 1, count)
+    return jax.tree.map(lambda *parts: np.concatenate(parts), *results)
 
 
 def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis]:

@@ -2,6 +2,7 @@
 for them."""
 
 import math
+import re
 
 DEGREE = math.pi / 180.0
 SIZES = {"deg": DEGREE, "deg/s": DEGREE, "kN/m3": 1e3, "kPa": 1e3}
@@ -24,3 +25,13 @@ UNITS = {
     "-": {"-": 1.0, "%": 1e-2},
 }
 """Unit of a column -> units that are mistaken for it, with their sizes in it."""
+
+
+def variable_attributes(meaning: str, unit: str = "") -> dict[str, str]:
+    """Make the attributes of a variable of a dataset: `long_name`, the words of a
+    meaning before its first mark, which label an axis; `comment`, the whole meaning
+    where it says more; and `units` if there are any."""
+    units = {"units": unit} if unit else {}
+    name = re.split(r"[,;:(]", meaning, maxsplit=1)[0].strip()
+    comment = {} if name == meaning else {"comment": meaning}
+    return {**units, "long_name": name, **comment}

@@ -18,6 +18,7 @@ from ..errors import InputError
 from ..laws import Branch
 from ..parameters import with_unit
 from ..quantities import ENERGY_COLUMNS
+from ..units import variable_attributes
 from .dynamics import Work, elastic_energy, kinetic_energy
 from .events import Outcome
 from .problem import Problem
@@ -32,16 +33,16 @@ SCENE_DIMENSION = "scene"
 """Name of the dimension of scenes side by side."""
 SERIES = {
     "time": ("s", "time since touch"),
-    "penetration": ("m", "u_n, penetration of the centre"),
-    "sinking": ("m", "u_D, penetration of the lowest point"),
+    "penetration": ("m", "penetration of the centre, u_n"),
+    "sinking": ("m", "penetration of the lowest point, u_D"),
     "rotation": ("rad", "rotation since touch"),
-    "normal_velocity": ("m/s", "v_n, into the ground"),
-    "tangential_velocity": ("m/s", "v_t, down-slope"),
+    "normal_velocity": ("m/s", "normal velocity, v_n, into the ground"),
+    "tangential_velocity": ("m/s", "tangential velocity, v_t, down-slope"),
     "angular_velocity": ("rad/s", "spin, clockwise"),
-    "normal_force": ("N", "N, normal force"),
-    "tangential_force": ("N", "T, tangential force"),
-    "moment": ("N m", "M, moment"),
-    "hardening": ("-", "rho_c, hardening variable"),
+    "normal_force": ("N", "normal force, N"),
+    "tangential_force": ("N", "tangential force, T"),
+    "moment": ("N m", "moment, M"),
+    "hardening": ("-", "hardening variable, rho_c"),
     "foundation_length": ("m", "length of the equivalent foundation"),
     "foundation_width": ("m", "width of the equivalent foundation"),
     "rotational_ratio": ("-", "rotational over total kinetic energy"),
@@ -53,7 +54,7 @@ SERIES = {
     "dashpot": ("J", "dissipated by damping"),
     "arm": ("J", "work of the arm between centre and deepest point"),
     "stiffness": ("J", "work of the change of stiffness"),
-    "in_contact": ("", "whether the block is in contact"),
+    "in_contact": ("", "contact, whether the block is in it"),
 }
 """Field of a history -> unit and meaning."""
 
@@ -156,7 +157,7 @@ class History(NamedTuple):
 
 def _attributes(name: str) -> dict[str, str]:
     unit, meaning = SERIES[name]
-    return ({"units": unit} if unit else {}) | {"long_name": meaning}
+    return variable_attributes(meaning, unit)
 
 
 def dimension_names(count: int) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -15,7 +16,13 @@ from .._settings import numpy_settings
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..identity import name_of, part_names
-from ..impact.results import SCENE_DIMENSION, ImpactSummary, dimension_names
+from ..impact.results import (
+    SCENE_DIMENSION,
+    SERIES,
+    History,
+    ImpactSummary,
+    dimension_names,
+)
 from ..parameters import declared_of
 from ..quantities import (
     ENERGY_COLUMNS,
@@ -30,6 +37,7 @@ from ..quantities import (
 from ..scene import Scene, Selection
 from ..scene_quantities import SHAPE, scene_values, text_of, unusual_parts, value_of
 from ..shapes import AbstractShape, MixedShapes
+from ..units import variable_attributes
 from .files import read_input, replacing
 from .result_table import count_outcomes, outcomes_in_words
 
@@ -171,7 +179,8 @@ def dataset_of(
     """Make a dataset of the numbers of impacts with units, outcome and provenance.
 
     Args:
-        summary: one impact, or as many as `shape` holds.
+        summary: one impact, or as many as `shape` holds, with histories over `time` if
+            it has them at times common to all.
         dimensions: their names. shape: their lengths.
         base: laws and shape. values: its quantities, as `scene_values` gives them.
         kinds: classes of shapes, where they vary.
@@ -186,14 +195,42 @@ def dataset_of(
     variables[OUTCOME_COLUMN] = (
         dimensions,
         outcomes_in_words(summary.outcome_code).reshape(shape),
-        {"long_name": OUTCOME_MEANING},
+        variable_attributes(OUTCOME_MEANING),
     )
+    coordinates = dict(coordinates)
+    history = getattr(summary, "history", None)
+    if history is not None and _has_one_time_base(history):
+        check_beside_series(dimensions)
+        history = jax.tree.map(
+            lambda series: np.reshape(series, (*shape, np.shape(series)[-1])), history
+        )
+        series = history.to_xarray(dimensions)
+        variables |= series.data_vars
+        coordinates |= series.coords
     attributes = {
         **impact_attributes(base, accuracy, values),
         OUTCOMES: json.dumps(count_outcomes(summary)),
         **shapes_attribute(kinds),
     }
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def check_beside_series(dimensions: Iterable[str]) -> None:
+    """Raise InputError for a dimension with the name of a series of histories."""
+    for name in dimensions:
+        if name in SERIES:
+            raise InputError(
+                f"{name} cannot be the name of a dimension, as it is that of a series "
+                "over time"
+            )
+
+
+def _has_one_time_base(history: History) -> bool:
+    """Tell whether all impacts have the times that were asked for with `save_at`."""
+    time = np.asarray(history.time)
+    return history.in_contact is not None and bool(
+        np.all(time == time.reshape(-1, time.shape[-1])[:1])
+    )
 
 
 def impact_attributes(
@@ -230,7 +267,7 @@ def provenance(
 
 def attributes_of(column: InputColumn | ResultColumn) -> dict[str, str]:
     """Unit and meaning of a quantity, as attributes of a variable."""
-    return {"units": column.unit, "long_name": column.meaning}
+    return variable_attributes(column.meaning, column.unit)
 
 
 def _label_of(kind: type[AbstractShape], kinds: Iterable[type[AbstractShape]]) -> str:

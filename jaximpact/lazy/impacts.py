@@ -43,6 +43,7 @@ from ..scene_quantities import (
 )
 from ..shapes import AbstractShape
 from ..tasks import Task
+from ..units import variable_attributes
 
 BLOCK_BYTES = 8 * 2**17
 """Bytes of one number of all impacts of a block where chunks are "auto": 131 072
@@ -250,7 +251,7 @@ def _result_variables(
     }
     for name, column in OUTPUT_COLUMNS.items():
         variables[name].attrs = attributes_of(column)
-    variables[OUTCOME_COLUMN].attrs = {"long_name": OUTCOME_MEANING}
+    variables[OUTCOME_COLUMN].attrs = variable_attributes(OUTCOME_MEANING)
     return variables
 
 

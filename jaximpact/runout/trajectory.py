@@ -10,6 +10,7 @@ import numpy as np
 
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY
+from ..units import variable_attributes
 from .blocks import Body, Release, select
 from .lane_programs import Values
 from .terrain import Profile
@@ -218,8 +219,7 @@ class Runs(ShownAsTable):
             ("time_s", self.time, "s", "time of the end since release"),
             ("events", self.events, "-", "contacts and legs along the ground"),
         ):
-            attributes = {"units": unit, "long_name": meaning}
-            variables[name] = ("block", values, attributes)
+            variables[name] = ("block", values, variable_attributes(meaning, unit))
         return xr.Dataset(variables, {"block": np.arange(len(self.ending))})
 
     def plot(self, path=None, *, ax=None):

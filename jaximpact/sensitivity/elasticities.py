@@ -30,6 +30,7 @@ from ..scene import GRAVITY, Scene, SceneLike, as_scene
 from ..scene_quantities import scene_with, value_of
 from ..shapes import each_shape
 from ..sweeping import Axes, check_axes, coordinates_of, spread
+from ..units import variable_attributes
 from .ranges import (
     DEFAULT_OUTPUTS,
     axes_of_names,
@@ -234,18 +235,22 @@ def _flags(kind: type[enum.IntEnum]) -> dict:
 
 
 _ATTRIBUTES = {
-    "elasticity": {"units": "-", "long_name": "d ln output / d ln parameter"},
-    "derivative": {"long_name": "d output / d parameter, in their units"},
-    "derivative_by_differences": {"long_name": "the same by differences"},
+    "elasticity": variable_attributes("elasticity: d ln output / d ln parameter", "-"),
+    "derivative": {"long_name": "derivative", "comment": "in the units of both"},
+    "derivative_by_differences": {"long_name": "derivative by differences"},
     "disagreement": {
         "units": "-",
-        "long_name": "of the two, by the larger of output and relative derivative",
+        "long_name": "disagreement of the two",
+        "comment": "over the larger of output and relative derivative",
     },
-    "state": {"long_name": "whether there is an elasticity"} | _flags(State),
-    "check": {"long_name": "what differences say"} | _flags(Check),
-    "parameter_value": {"long_name": "value, in parameter_unit"},
-    "output_value": {"long_name": "value, in output_unit"},
-    OUTCOME_COLUMN: {"long_name": OUTCOME_MEANING},
+    "state": {"long_name": "state"} | _flags(State),
+    "check": {"long_name": "check by differences"} | _flags(Check),
+    "parameter_value": {
+        "long_name": "value of the parameter",
+        "comment": "in parameter_unit",
+    },
+    "output_value": {"long_name": "value of the output", "comment": "in output_unit"},
+    OUTCOME_COLUMN: variable_attributes(OUTCOME_MEANING),
 }
 """Variables of the dataset, in their order."""
 

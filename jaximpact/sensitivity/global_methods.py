@@ -34,6 +34,7 @@ from ..progress import Progress, ProgressFunction
 from ..quantities import ResultColumn
 from ..scene import Scene, SceneLike, as_scene
 from ..scene_quantities import scene_with
+from ..units import variable_attributes
 from .ranges import (
     DEFAULT_OUTPUTS,
     Range,
@@ -231,11 +232,12 @@ class _Study(NamedTuple):
         """Make the dataset of the estimates for each output."""
         ranges = {name: dataclasses.asdict(each) for name, each in self.ranges.items()}
         meanings = {
-            name: {"units": unit, "long_name": meaning}
+            name: variable_attributes(meaning, unit)
             for name, (_, unit, meaning) in of_method.items()
         }
         for name in ("mean", "standard_deviation"):
-            meanings[name] = {"long_name": f"{name} over the ranges, in output_unit"}
+            words = f"{name.replace('_', ' ')} over the ranges"
+            meanings[name] = variable_attributes(words, "output_unit")
         columns = {}
         for name in estimates[0]:
             values = np.array([of_output[name] for of_output in estimates])
@@ -270,17 +272,17 @@ SOBOL = {
     "total_order_interval": ("ST_conf", "-", HALF_WIDTH),
 }
 MORRIS = {
-    "mean_effect": ("mu", "output_unit", "mu, mean effect of the whole range"),
+    "mean_effect": ("mu", "output_unit", "mean effect of the whole range, mu"),
     "mean_absolute_effect": (
         "mu_star",
         "output_unit",
-        "mu*, mean absolute effect of the whole range",
+        "mean absolute effect of the whole range, mu*",
     ),
     "mean_absolute_effect_interval": ("mu_star_conf", "output_unit", HALF_WIDTH),
     "effect_deviation": (
         "sigma",
         "output_unit",
-        "sigma, standard deviation of the effect",
+        "standard deviation of the effect, sigma",
     ),
 }
 """Variable of each method -> SALib's name of it, unit and meaning."""

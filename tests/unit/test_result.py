@@ -38,6 +38,7 @@ from jaximpact.quantities import (
 )
 from jaximpact.scene_quantities import with_shapes
 from jaximpact.shapes import Ellipsoid, RectangularPrism
+from jaximpact.units import variable_attributes
 
 GAMMA_V = np.array([2.0, 5.0, 9.0])
 ANGLE_DEG = np.array([0.0, 30.0])
@@ -274,7 +275,7 @@ def test_a_dataset_is_that_of_a_sweep(grid, tmp_path):
     for name, column in ENERGY_COLUMNS.items():
         received = dataset[name]
         np.testing.assert_array_equal(received, getattr(grid.energy, column.field))
-        assert received.attrs == {"units": "J", "long_name": column.meaning}
+        assert received.attrs == variable_attributes(column.meaning, "J")
     of_sweep = dataset.drop_vars(ENERGY_COLUMNS)
     xr.testing.assert_allclose(of_sweep, expected, rtol=SAME)
     assert list(of_sweep) == [*RESULT_COLUMNS, *FURTHER_COLUMNS, "outcome"]

@@ -23,6 +23,7 @@ from jaximpact import (
 )
 from jaximpact.errors import InputError
 from jaximpact.parametric_sets import GROUNDS, PARAMETRIC_SETS
+from jaximpact.shapes import EllipticCylinder
 from jaximpact.sweeping import read_sweep_study
 
 BASE = Scene(block=Block(mass=200.0, aspect_ratio=1.5), impact=Impact(speed=11.0))
@@ -236,3 +237,53 @@ def test_a_scene_may_be_given_by_its_parts():
     parts = (BASE.block, BASE.soil, BASE.impact)
     xr.testing.assert_identical(sweep(parts, along), sweep(BASE, along))
     xr.testing.assert_identical(sweep(Block(), along), sweep(Scene(), along))
+
+
+@pytest.mark.slow
+def test_histories_stand_beside_the_numbers(dataset):
+    times = [0.0, 0.01, 0.1]
+    axes = AXES | {"shape": ["Ellipsoid", "EllipticCylinder"]}
+    told = []
+    with_histories = sweep(
+        BASE, axes, save_at=times, progress=lambda *done: told.append(done)
+    )
+    assert told[-1] == (24, 24)
+    of_ellipsoids = with_histories.sel(shape="Ellipsoid").drop_vars("shape")
+    xr.testing.assert_allclose(of_ellipsoids.e_n, dataset.e_n)
+    assert with_histories.time.units == "s"
+    force = with_histories.normal_force
+    assert force.dims == (*axes, "time")
+    point = dict(ground=1, angle_deg=2, orientation_deg=1, shape=1)
+    alone = simulate(
+        dataclasses.replace(BASE.block, shape=EllipticCylinder(aspect_ratio=1.5)),
+        Soil(c_v=0.5, gamma_v=1.7),
+        dataclasses.replace(
+            BASE.impact, angle=np.radians(70.0), orientation=np.radians(120.0)
+        ),
+        save_at=times,
+    )
+    np.testing.assert_allclose(force.isel(point), alone.history.normal_force)
+    np.testing.assert_array_equal(
+        alone.to_xarray().normal_force, alone.history.normal_force
+    )
+
+
+@pytest.mark.parametrize(
+    ("axes", "how", "message"),
+    [
+        ({"c_v": [1.0]}, {"save_at": [0.1], "chunks": "auto"}, "give it no chunks"),
+        ({"c_v": [1.0]}, {"save_at": [[0.1], [0.2]]}, "one list of times"),
+        ({"time": {"c_v": [1.0]}}, {"save_at": [0.1]}, "that of a series"),
+    ],
+)
+def test_histories_that_cannot_be_had_are_refused(axes, how, message):
+    with pytest.raises(InputError, match=message):
+        sweep(BASE, axes, **how)
+
+
+def test_long_names_are_names(dataset):
+    """They label axes; what more there is to say is a comment."""
+    for variable in dataset.variables.values():
+        assert not set(",;:()") & set(variable.attrs.get("long_name", ""))
+    assert dataset.orientation_deg.long_name == "orientation"
+    assert dataset.outcome.comment.endswith("separating or failed")

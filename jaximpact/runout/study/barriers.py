@@ -23,6 +23,7 @@ import xarray as xr
 from ...io.toml import Key, check_keys, number, typed
 from ...reports.json_tree import plain
 from ...reports.tables import Table, interval_text
+from ...units import variable_attributes
 from ..coordinates import LARGEST
 from ..terrain import Profile, check_inside
 from ..trajectory import Ending
@@ -163,10 +164,14 @@ def barrier_variables(
     ]
     meaning = "effect of barrier and block on each other, at first passage"
     at, variables = ("block", "barrier"), {}
-    variables["barrier_effect"] = (at, np.stack(effects, 1), {"long_name": meaning})
+    variables["barrier_effect"] = (
+        at,
+        np.stack(effects, 1),
+        variable_attributes(meaning),
+    )
     for name, unit, _, words in DESIGN_QUANTITIES.values():
         unit = "J" if unit == "kJ" else unit
-        about = {"units": unit, "long_name": f"{words} at first passage of the barrier"}
+        about = variable_attributes(f"{words} at first passage of the barrier", unit)
         variables[f"barrier_{name}"] = (at, passages[f"passage_{name}"], about)
     coordinates: dict = {"barrier": np.array(names)}
     for name, values, unit, words in (
@@ -174,7 +179,7 @@ def barrier_variables(
         ("barrier_height_m", height, "m", "height above the ground, vertically"),
         ("barrier_capacity_J", capacity, "J", "largest kinetic energy that it stops"),
     ):
-        about = {"units": unit, "long_name": words}
+        about = variable_attributes(words, unit)
         coordinates[name] = ("barrier", np.array(values, float), about)
     return variables, coordinates
 

@@ -26,7 +26,7 @@ from ...quantities import columns_of_part
 from ...scene_quantities import SHAPE, text_of
 from ...shapes import MixedShapes
 from ...tasks import Task, computing, run_tasks
-from ...units import DEGREE
+from ...units import DEGREE, variable_attributes
 from ..analysis import first_passages, maxima_along, passages
 from ..blocks import Release, select
 from ..coordinates import FASTEST
@@ -37,29 +37,32 @@ from .barriers import barrier_variables
 from .slope_file import SlopeStudy
 
 BLOCK_NUMBERS = {
-    "x_m": ("m", "where it ended: the centre; nan where a contact failed"),
-    "y_m": ("m", "where it ended: the centre; nan where a contact failed"),
-    "time_s": ("s", "when it ended, since release"),
+    "x_m": ("m", "x at the end, of the centre; nan where a contact failed"),
+    "y_m": ("m", "y at the end, of the centre; nan where a contact failed"),
+    "time_s": ("s", "time at the end, since release"),
     "impacts": ("-", "impacts, without touches too slow to be one"),
-    "hops": ("-", "contacts after which it rolled in place of a low flight"),
+    "hops": ("-", "hops, contacts after which it rolled in place of a low flight"),
     "events": ("-", "contacts and legs along the ground"),
     "energy_at_release_J": ("J", "kinetic energy at release"),
     "energy_at_end_J": ("J", "kinetic energy at its end; 0 for a block that stopped"),
 }
 PASSAGE_NUMBERS = {
-    "passages": ("-", "how often the centre passes the collector"),
-    "passage_time_s": ("s", "first passage, since release"),
+    "passages": ("-", "passages of the collector"),
+    "passage_time_s": ("s", "time of first passage, since release"),
     "passage_v_x_mps": ("m/s", "velocity at first passage, to the right"),
     "passage_v_y_mps": ("m/s", "velocity at first passage, upwards"),
     "passage_speed_mps": ("m/s", "speed at first passage"),
     "passage_spin_radps": ("rad/s", "angular velocity at first passage, clockwise"),
-    "passage_translational_energy_J": ("J", "at first passage"),
-    "passage_rotational_energy_J": ("J", "at first passage"),
+    "passage_translational_energy_J": ("J", "translational energy at first passage"),
+    "passage_rotational_energy_J": ("J", "rotational energy at first passage"),
     "passage_energy_J": ("J", "kinetic energy at first passage"),
-    "passage_centre_height_m": ("m", "of the centre above the ground, first passage"),
+    "passage_centre_height_m": (
+        "m",
+        "height of the centre at first passage, above the ground",
+    ),
     "passage_lowest_height_m": (
         "m",
-        "of the lowest point above the ground below the centre, first passage",
+        "height of the lowest point at first passage, above the ground there",
     ),
 }
 ENVELOPES = {
@@ -68,14 +71,22 @@ ENVELOPES = {
     "energy_J": ("J", "largest kinetic energy"),
 }
 RELEASE_NUMBERS = {
-    "x_m": ("x", "m", "of the centre"),
-    "y_m": ("y", "m", "of the centre"),
-    "v_x_mps": ("v_x", "m/s", "to the right"),
-    "v_y_mps": ("v_y", "m/s", "upwards"),
+    "x_m": ("x", "m", "x at release, of the centre"),
+    "y_m": ("y", "m", "y at release, of the centre"),
+    "v_x_mps": ("v_x", "m/s", "velocity at release, to the right"),
+    "v_y_mps": ("v_y", "m/s", "vertical velocity at release, upwards"),
     "orientation_deg": (
-        *("orientation", "deg", "from the vertical, clockwise, to the major axis"),
+        *(
+            "orientation",
+            "deg",
+            "orientation at release, from the vertical, clockwise, to the major axis",
+        ),
     ),
-    "angular_velocity_degps": ("angular_velocity", "deg/s", "clockwise"),
+    "angular_velocity_degps": (
+        "angular_velocity",
+        "deg/s",
+        "spin at release, clockwise",
+    ),
 }
 """Field of the release, unit and meaning."""
 PERCENTILES = (50, 90, 95, 99)
@@ -266,7 +277,7 @@ Variables = dict[str, tuple[Any, ...]]
 
 
 def _variable(dimensions, values: np.ndarray, unit: str, meaning: str) -> tuple:
-    return dimensions, values, {"units": unit, "long_name": meaning}
+    return dimensions, values, variable_attributes(meaning, unit)
 
 
 def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
@@ -277,7 +288,7 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
     first = dict(zip(PASSAGE_NUMBERS, np.moveaxis(at_places, -1, 0), strict=True))
     codes = rows[:, 0].astype(int)
     endings = np.array([str(ending) for ending in Ending])[codes]
-    variables: Variables = {"ending": ("block", endings, {"long_name": "why it ended"})}
+    variables: Variables = {"ending": ("block", endings, {"long_name": "ending"})}
     variables |= _inputs_of(study.release) | _ground_of(study)
     for i, (name, about) in enumerate(BLOCK_NUMBERS.items(), 1):
         variables[name] = _variable("block", of_blocks[:, i], *about)
@@ -390,9 +401,7 @@ def _inputs_of(release: Release) -> Variables:
         variables[column.name] = _variable("block", values, *about)
     for name, (field, unit, meaning) in RELEASE_NUMBERS.items():
         values = getattr(release, field) / (DEGREE if "deg" in unit else 1.0)
-        variables[f"release_{name}"] = _variable(
-            "block", values, unit, f"at release, {meaning}"
-        )
+        variables[f"release_{name}"] = _variable("block", values, unit, meaning)
     return variables
 
 
