@@ -55,7 +55,7 @@ def test_histories_and_ledgers_show_values_with_units_and_meanings(steps):
     lines = str(history).splitlines()
     assert lines[0] == f"History: {len(history.time)} times"
     assert any("normal_force" in x and x.endswith("normal force, N") for x in lines)
-    assert "N, normal force" in history._repr_html_()
+    assert "normal force, N" in history._repr_html_()
 
 
 @pytest.mark.slow
