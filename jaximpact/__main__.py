@@ -2,6 +2,7 @@
 
 Signals are served before anything is imported that takes its time.
 """
+# PYTHON_ARGCOMPLETE_OK
 
 import sys
 

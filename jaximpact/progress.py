@@ -8,25 +8,47 @@ calls `tell(what)` or, where the work is counted, `tell(what, done, total)`.
 import contextlib
 import contextvars
 import inspect
+import logging
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 ProgressFunction = Callable[[int, int], object] | Callable[[str], object]
 """Function that a user gives: of `(done, total)`, or of a line of text."""
 
 
+LOGGER = logging.getLogger(__name__.partition(".")[0])
+
+
 class Progress:
-    """Progress of long work; this class itself tells nobody."""
+    """Progress of long work; this class itself tells only the logger "jaximpact"."""
 
     def __call__(
         self, what: str, done: int | None = None, total: int | None = None
     ) -> None:
         """Tell the step that begins, `"compiling once"`; or what is counted,
-        `"impacts"`, how many are done, and how many there are in all."""
+        `"impacts"`, how many are done, and how many there are in all. In the log steps
+        are of the level INFO, counts DEBUG."""
+        LOGGER.log(
+            logging.INFO if total is None else logging.DEBUG,
+            "%s",
+            _Words(what, done, total),
+        )
 
     def within(self, step: str) -> "Progress":
         """Return progress of a part of the work, whose lines begin with the step's
         name."""
         return _Within(self, step)
+
+
+class _Words(NamedTuple):
+    """Progress that is put into words if it is written."""
+
+    what: str
+    done: int | None
+    total: int | None
+
+    def __str__(self) -> str:
+        return in_words(*self)
 
 
 SILENT = Progress()
@@ -87,6 +109,7 @@ class _Given(Progress):
         self._takes_text = _takes(function, "")
 
     def __call__(self, what, done=None, total=None):
+        super().__call__(what, done, total)
         if total is not None and self._takes_count:
             self._function(done, total)
         elif self._takes_text:

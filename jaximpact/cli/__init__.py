@@ -12,14 +12,14 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 
-from .._packages import version_of
+from .._packages import needed, version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
 from ..finding import describe_error, users_line
 from ..interruption import is_interrupt
-from . import calibrate, impacts, runout, sweep, tabulate
+from . import calibrate, impacts, runout, schema, sweep, tabulate
 from .progress import forget, say
 
-COMMANDS = (impacts, sweep, runout, tabulate, calibrate)
+COMMANDS = (impacts, sweep, runout, tabulate, calibrate, schema)
 MOVED = {
     "benchmark": "benchmarks",
     "figures": "paper figures",
@@ -89,8 +89,11 @@ def _run(
         )
     if any("\0" in text for text in argv or ()):
         raise InputError("an argument holds a null character, which no name may hold")
+    parser = make_parser()
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
+        needed("argcomplete", "completion", "completion").autocomplete(parser)
     try:
-        arguments = make_parser().parse_args(argv)
+        arguments = parser.parse_args(argv)
     except SystemExit:  # --help and --version are done
         sys.stdout.flush()
         raise
