@@ -256,7 +256,7 @@ def _table() -> dict[str, Schema]:
     from ..lookup.table_study import TABLE_KEYS
     from ..lookup.tabulation import Nodes
 
-    table = dict(zip(TABLE_KEYS, (NUMBERS, NUMBERS, {}), strict=True))
+    table: Schema = dict(zip(TABLE_KEYS, (NUMBERS, NUMBERS, {}), strict=True))
     table["nodes"] = _closed(_each(Nodes._fields, _count(1)))
     return {
         "block": _open(_values("block")),
