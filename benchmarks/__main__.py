@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 
 from jaximpact.cli import Parser, main, options
-from jaximpact.cli.progress import ProgressLines, say
 from jaximpact.interruption import ending_on_signals
+from jaximpact.progress_lines import ProgressLines, say
 
 DESCRIPTION = """\
 Measure speed and accuracy of this solver and of others on the same impacts, and draw

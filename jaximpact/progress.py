@@ -129,8 +129,12 @@ def as_progress(function: Progress | ProgressFunction | None) -> Progress:
 
 
 def in_words(what: str, done: int | None = None, total: int | None = None) -> str:
-    """Return progress as a line of text: `"compiling once"`, `"3 of 10 impacts"`."""
-    return what if total is None else f"{done} of {total} {what}"
+    """Return progress as a line of text: `"compiling once"`, `"3 of 10 impacts"`, with
+    a step in front `"drops: 3 of 10 impacts"`."""
+    if total is None:
+        return what
+    steps, colon, counted = what.rpartition(": ")
+    return f"{steps}{colon}{done} of {total} {counted}"
 
 
 def _takes(function: Callable, *arguments) -> bool:

@@ -14,7 +14,8 @@ from .._precision import require_float64
 from .._settings import numpy_settings
 from ..errors import InputError, check_choice
 from ..parameters import Part
-from ..progress import Progress, ProgressFunction, reporting_to, tell, within
+from ..progress import tell, within
+from ..progress_lines import ProgressChoice, showing
 from ..quantities import columns_of_part
 from ..scene import Block, Soil
 from .arguments import study_of_arguments, table_given
@@ -322,7 +323,7 @@ def calibrate(
     accuracy: str | None = None,
     out: str | os.PathLike | None = None,
     seed: int | None = None,
-    progress: Progress | ProgressFunction | None = None,
+    progress: ProgressChoice = None,
 ) -> Calibration:
     """Fit ground parameters to measured impacts, and judge which are identifiable.
 
@@ -363,7 +364,7 @@ def calibrate(
             "reference".
         out: directory for the report.
         seed: seed of starts and draws. Default: 0.
-        progress: called with lines of text.
+        progress: called with lines of text; False for none. Default: lines on stderr.
 
     Takes some ten seconds. Equal arguments give equal numbers on one machine.
 
@@ -378,7 +379,7 @@ def calibrate(
     study = study_of_arguments(tests, options)
     expect("out", out, str, os.PathLike, type(None))
     directory = None if out is None else Path(out)
-    with reporting_to(progress):
+    with showing(progress):
         return Calibration(*fit_and_examine(study, directory))
 
 
@@ -387,7 +388,7 @@ def predict(
     result: Calibration | str | os.PathLike,
     tests: str | os.PathLike | Mapping,
     *,
-    progress: Progress | ProgressFunction | None = None,
+    progress: ProgressChoice = None,
 ) -> Prediction:
     """Predict tests with a fitted ground, and score those with measurements.
 
@@ -395,7 +396,7 @@ def predict(
         result: result of `calibrate`, or the fit.json or directory that it wrote.
         tests: tests as for `calibrate`. Result columns are not needed; those present
             are compared with the predictions. Empty cells and limits are as there.
-        progress: called with lines of text.
+        progress: called with lines of text; False for none. Default: lines on stderr.
 
     Draws of a parameter that is not identifiable extend to the fit's bounds, and the
     intervals are as wide as that makes them.
@@ -410,7 +411,7 @@ def predict(
     else:
         ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
     measurements = joined_tables((table_given(tests, scene_of(ground.parts)),))
-    with reporting_to(progress):
+    with showing(progress):
         predicted = predict_tests(ground, measurements, inputs)
     return Prediction(*predicted)
 
@@ -429,7 +430,7 @@ def run_study(
     *,
     posterior: bool = False,
     compare: bool = False,
-    progress: Progress | ProgressFunction | None = None,
+    progress: ProgressChoice = None,
 ) -> StudyResult:
     """Fit a study, compute its diagnostics, and write the report.
 
@@ -444,7 +445,7 @@ def run_study(
             for ArviZ, one for each variant; needs the extra `jaximpact[bayes]`.
         compare: whether to compare laws too, as `[compare]` in the study says, or all
             that `compare` compares by default, and write comparison.csv.
-        progress: called with lines of text.
+        progress: called with lines of text; False for none. Default: lines on stderr.
 
     Raises InputError for a study or a directory that cannot be used, BlockingIOError
     while another process writes there, RuntimeError if JAX is set to float32.
@@ -452,7 +453,7 @@ def run_study(
     require_float64()
     study = read_study(study_path)
     out = Path(out_dir)
-    with reporting_to(progress):
+    with showing(progress):
         result, *_ = fit_and_examine(study, out, posterior=posterior, compare=compare)
     return result
 
@@ -481,7 +482,9 @@ def fit_and_examine(
         with within("simple laws: "):
             others = OtherLaws(fit_simple(study))
         if compare:
-            compared = compare_study(study, stated.laws, by=stated.by)
+            compared = compare_study(
+                study, stated.laws, by=stated.by, fits=result.variants
+            )
             others = others._replace(compared=compared)
         return result, examined, others
 

@@ -16,7 +16,7 @@ from .._settings import numpy_settings
 from ..io.files import write_text
 from ..io.output_files import output_directory, together
 from ..parameters import Part
-from ..progress import Progress, ProgressFunction, reporting_to
+from ..progress_lines import ProgressChoice, showing
 from ..reports.document import Document
 from ..reports.json_tree import json_text
 from ..reports.tables import Table
@@ -27,6 +27,7 @@ from .comparison.contenders import Law
 from .comparison.fitted_law import LawPrediction, predict_law
 from .diagnostics.predictive import Predictive
 from .diagnostics.uncertainty import CONFIDENCE
+from .problem.config import Study
 from .problem.dataset import Measurements, joined_tables
 from .problem.laws import scene_of
 from .problem.nuisance import entries_of, open_nuisances
@@ -34,7 +35,7 @@ from .report.comparison import (
     comparison_csv,
     comparison_json,
     comparison_parts,
-    comparison_picture,
+    comparison_pictures,
     verdict,
 )
 
@@ -110,7 +111,7 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
         censored=np.zeros(shape, int),
         sigma=np.ones(shape),
     )
-    laws = tuple(predict_law(law.fitted, law.contender, new) for law in compared.laws)
+    laws = tuple(_predicted(law, new) for law in compared.laws)
     quantiles = np.full((3, *shape), np.nan)
     tail = (1.0 - CONFIDENCE) / 2.0
     for cell in np.ndindex(*shape):
@@ -118,6 +119,19 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
         if mixture is not None:
             quantiles[:, *cell] = [mixture.quantile(p) for p in (0.5, tail, 1.0 - tail)]
     return StackedPrediction(tests, study.targets, laws, compared.weights, *quantiles)
+
+
+def _predicted(law: ScoredLaw, study: Study) -> LawPrediction:
+    """Predict the targets of a study, which may be fewer than the law was fitted to."""
+    fitted = law.fitted
+    places = [fitted.targets.index(name) for name in study.targets]
+    fitted = fitted._replace(
+        targets=study.targets,
+        sigma=fitted.sigma[places],
+        least_size=fitted.least_size[places],
+        freedom=fitted.freedom[places],
+    )
+    return predict_law(fitted, law.contender, study)
 
 
 def _mixture(laws, weights: np.ndarray, cell) -> Predictive | None:
@@ -149,7 +163,7 @@ class Comparison:
         self.compared = compared
 
     def __repr__(self) -> str:
-        return f"<Comparison: {' '.join(verdict(self.compared))}>"
+        return f"<Comparison: {verdict(self.compared)[0]}>"
 
     @numpy_settings()
     def __str__(self) -> str:
@@ -157,6 +171,19 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         return Document("", comparison_parts(self.compared), []).html()
+
+    @property
+    def with_rebound(self) -> "Comparison | None":
+        """The grounds beside laws of rebound, on the targets that these predict, where
+        other targets were measured too; None where all laws are compared on all
+        targets."""
+        beside = self.compared.with_rebound
+        return None if beside is None else Comparison(beside)
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Names of the targets on which the laws are compared."""
+        return self.compared.study.targets
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -175,7 +202,8 @@ class Comparison:
 
     @property
     def preferred(self) -> str:
-        """Name of the law with the fewest parameters among the ties."""
+        """Name of the law with the fewest parameters among the ties; of several the one
+        that was named first."""
         return self.laws[self.compared.ranking().preferred]
 
     @property
@@ -257,8 +285,8 @@ class Comparison:
         directory = output_directory(Path(out), "compare", FILES, inputs=inputs)
         with directory as listed, together(listed) as new:
             parts = comparison_parts(self.compared)
-            picture = comparison_picture(self.compared)
-            page = Document("Laws compared", [*parts, picture], []).page()
+            parts += comparison_pictures(self.compared)
+            page = Document("Laws compared", parts, []).page()
             write_text(new(FILES[0]), page)
             write_text(new(FILES[1]), comparison_csv(self.compared))
             write_text(new(FILES[2]), json_text(comparison_json(self.compared)))
@@ -278,7 +306,7 @@ def compare(
     sigma: Mapping[str, float] | None = None,
     scatter: str | Mapping[str, str] | None = None,
     seed: int | None = None,
-    progress: Progress | ProgressFunction | None = None,
+    progress: ProgressChoice = None,
 ) -> Comparison:
     """Find out which law predicts measured impacts best.
 
@@ -287,22 +315,24 @@ def compare(
 
     Args:
         tests: as for `calibrate`: a table of tests or a study (`.toml`).
-        laws: laws that are compared: "model", the ground as it is given; a law of the
-            ground by name or as an object, in place of the ground's ("FluidityRate",
-            "my_laws.py:MyFlow"); a `Soil` with laws of its own; a law of rebound by its
-            words or its class ("constant coefficients", `PfeifferBowen`,
-            "my_laws.py:MyRebound"). Default: the model, each named alternative to its
-            laws, constant coefficients, Pfeiffer and Bowen, a power law in the angle,
-            and a rigid ellipsoid (Vijayakumar).
+        laws: laws that are compared: "model", the ground as it is given; "model with
+            cohesion", "model with modulus at contact pressure", "model with inertia",
+            "... and cohesion"; a law of the ground by name or as an object, in place of
+            the ground's ("FluidityRate", "my_laws.py:MyFlow"); a `Soil` with laws of
+            its own; a law of rebound by its words or its class ("constant
+            coefficients", `PfeifferBowen`, "my_laws.py:MyRebound"). Default: the model
+            and all these grounds, constant coefficients, Pfeiffer and Bowen, a power
+            law in the angle, and a rigid ellipsoid (Vijayakumar).
         by: columns whose groups are left out too: of text, "shape", or of numbers.
             Default: campaign and shape, where there are several.
         exact: whether each fit without a test is made to the end; otherwise one step
             from the fit to all stands for it where it is short.
         fit, ground, block, targets, sigma, scatter, seed: as for `calibrate`.
-        progress: called with lines of text.
+        progress: as for `calibrate`; each line says about how long the rest will take.
 
-    Only targets that all laws predict are compared; the others are named. The default
-    takes some minutes, a few named laws some seconds each.
+    Laws of the ground are compared on all targets. Laws of rebound predict coefficients
+    and velocities alone: where other targets were measured too, they are compared with
+    the grounds on those (`with_rebound`).
 
     Raises InputError for input that cannot be used; RuntimeError if JAX is set to
     float32.
@@ -312,5 +342,5 @@ def compare(
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
     study = study_of_arguments(tests, options)
-    with reporting_to(progress):
+    with showing(progress):
         return Comparison(compare_study(study, laws, by=by, exact=bool(exact)))

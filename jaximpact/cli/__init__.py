@@ -16,8 +16,8 @@ from .._packages import needed, version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
 from ..finding import describe_error, users_line
 from ..interruption import is_interrupt
+from ..progress_lines import forget, say
 from . import calibrate, impacts, runout, schema, sweep, tabulate
-from .progress import forget, say
 
 COMMANDS = (impacts, sweep, runout, tabulate, calibrate, schema)
 MOVED = {

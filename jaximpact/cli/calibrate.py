@@ -10,8 +10,8 @@ from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import manifest_path, output_files
 from ..progress import reporting_to
+from ..progress_lines import ProgressLines, say
 from . import options
-from .progress import ProgressLines, say
 
 DESCRIPTION = """\
 Fit soil parameters to a table of measured impacts, and say which of them are not
@@ -55,8 +55,8 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         of a target span a decade)
   [weights]             for each target, on its losses (default: 1)
   [[variants]]          soil values or laws to be changed; each is fitted by itself
-  [compare]             laws to compare with: laws = ["model", "constant coefficients",
-                        "ContactPressureModulus", "my_laws.py:MyRebound"], and
+  [compare]             laws to compare with: laws = ["model", "model with cohesion",
+                        "constant coefficients", "my_laws.py:MyRebound"], and
                         by = ["shape"], columns whose groups are left out (default: see
                         --compare)
   [further_tests]       what could be measured next (default: usual impacts, and the
@@ -138,10 +138,10 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--compare",
         action="store_true",
-        help="find out too which law predicts the tests best, some minutes: the "
-        "model, the model with cohesion, the alternatives to its laws, constant "
-        "coefficients, Pfeiffer and Bowen, a power law in the angle, and a rigid "
-        "ellipsoid; or the laws that [compare] in the study names",
+        help="find out too which law predicts tests left out best, about a minute: the "
+        "model; the model with modulus at contact pressure, and with inertia; each "
+        "with cohesion; constant coefficients, Pfeiffer and Bowen, a power law in the "
+        "angle, and a rigid ellipsoid; or the laws that [compare] in the study names",
     )
 
     options.add_engine(parser)

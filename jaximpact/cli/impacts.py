@@ -12,8 +12,8 @@ from ..errors import InputError
 from ..interruption import resumable
 from ..io.files import replacing
 from ..io.output_files import journal_path, manifest_path, output_files
+from ..progress_lines import ProgressLines, say
 from . import options
-from .progress import ProgressLines, say
 
 if TYPE_CHECKING:
     from ..result import ImpactResult

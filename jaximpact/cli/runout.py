@@ -6,8 +6,8 @@ from functools import partial
 from pathlib import Path
 
 from ..interruption import resumable
+from ..progress_lines import ProgressLines, say
 from . import options
-from .progress import ProgressLines, say
 
 STUDY = """\
 Release many blocks on a slope, and report where they stop and what passes.

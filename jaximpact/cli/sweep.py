@@ -8,8 +8,8 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import journal_path, output_files
+from ..progress_lines import ProgressLines, say
 from . import options
-from .progress import ProgressLines, say
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,8 +7,8 @@ from pathlib import Path
 from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import journal_path, manifest_path, output_files
+from ..progress_lines import ProgressLines, say
 from . import options
-from .progress import ProgressLines, say
 
 OUTPUTS = {
     "out": (".nc", "the table"),

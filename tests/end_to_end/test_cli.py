@@ -23,7 +23,7 @@ from jaximpact import (
     simulate_batch,
 )
 from jaximpact.cli import main
-from jaximpact.cli.progress import ProgressLines
+from jaximpact.progress_lines import ProgressLines
 from jaximpact.quantities import (
     ENERGY_COLUMNS,
     FURTHER_COLUMNS,

@@ -1,7 +1,8 @@
 """Comparison of laws on the same tests, by their predictions of what they have not
 seen."""
 
-from collections.abc import Iterable, Sequence
+import time
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,14 +10,29 @@ import numpy as np
 from ...errors import InputError, nearest
 from ...progress import tell, within
 from ...scene_quantities import SHAPE
+from ..diagnostics.results import VariantResult
+from ..estimation.evolution import PER_UNKNOWN, spread
 from ..problem.config import Study
 from ..problem.dataset import CAMPAIGN
 from .contenders import Contender, Law, contenders_of
-from .fitted_law import FittedLaw, LawFit, fit_law, of_targets, predicted_by_rebound
+from .fitted_law import (
+    FittedLaw,
+    LawFit,
+    fit_law,
+    law_fit,
+    objective_of,
+    of_targets,
+    predicted_by_rebound,
+)
 from .held_out import HeldOut, held_out
 from .ranking import Ranking, ranking, stacking_weights
 
 TEST = "test"
+COMPILED, EVALUATIONS = 3.0, 40.0
+"""Seconds that a law of the ground takes to compile, and the work of its fit and scores
+in generations of its search; both measured on the studies of the project."""
+OF_REBOUND = 2.0
+"""Seconds that a law of rebound takes."""
 
 Groups = tuple[str, tuple[str, ...], np.ndarray]
 """Column whose groups are left out, names of the groups, and index of the group of each
@@ -27,6 +43,8 @@ class ScoredLaw(NamedTuple):
     """A law with its fit, and how well it predicts what it was not fitted to."""
 
     contender: Contender
+    named: int
+    """Place among the laws as they were named."""
     fitted: FittedLaw
     rms: np.ndarray
     """Root mean square residual of the fit to all, shape (targets,)."""
@@ -73,12 +91,13 @@ class GroupScores(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """Laws fitted to the same tests, the best predictor first."""
+    """Laws scored on the same tests and targets, the best predictor first."""
 
     study: Study
     """Tests with the targets that were compared."""
     targets_left_out: tuple[str, ...]
-    """Targets that laws of rebound do not predict."""
+    """Targets of the study that are not compared here, since laws of rebound do not
+    predict them."""
     laws: list[ScoredLaw]
     by_test: GroupScores
     by_group: list[GroupScores]
@@ -86,12 +105,21 @@ class Compared(NamedTuple):
     """Stacking weights, shape (laws,)."""
     refused: dict[str, str]
     """Laws that could not be fitted, with the reason."""
+    with_rebound: "Compared | None" = None
+    """The same grounds beside laws of rebound, on the targets that these predict; None
+    where all laws are compared on the same targets."""
+
+    @property
+    def parts(self) -> tuple["Compared", ...]:
+        """This comparison, and that with laws of rebound if it is another one."""
+        return (self,) if self.with_rebound is None else (self, self.with_rebound)
 
     def ranking(self, by: GroupScores | None = None) -> Ranking:
         """Rank the laws, by their predictions of single tests unless others are
         given."""
         scores = (by or self.by_test).scores
-        return ranking(scores, [law.count for law in self.laws])
+        counts, named = zip(*((law.count, law.named) for law in self.laws), strict=True)
+        return ranking(scores, counts, named)
 
 
 class OtherLaws(NamedTuple):
@@ -121,51 +149,150 @@ def compare_study(
     *,
     by: str | Sequence[str] | None = None,
     exact: bool = False,
+    fits: Sequence[VariantResult] = (),
 ) -> Compared:
     """Fit laws to the tests of a study and score their predictions; arguments are those
     of `compare`. Laws of rebound are always fitted to the end.
+
+    Args:
+        fits: fits of variants of the study, which are not made again.
 
     Raises InputError for laws or columns that cannot be used, and where no law can be
     fitted.
     """
     contenders = contenders_of(laws, study)
-    targets = study.targets
-    if any(contender.is_rebound for contender in contenders):
-        common = predicted_by_rebound(study)
-        if not common and laws is not None:
+    common = predicted_by_rebound(study)
+    if not common and any(contender.is_rebound for contender in contenders):
+        if laws is not None:
             raise InputError(
                 f"laws of rebound predict none of {', '.join(study.targets)}; name "
                 "laws of the ground alone, or measure velocities or coefficients too"
             )
-        targets = common or targets
-        contenders = [c for c in contenders if common or not c.is_rebound]
-    left_out = tuple(name for name in study.targets if name not in targets)
-    study = of_targets(study, targets)
-    groups = [_each_test(study), *_groups_left_out(study, by)]
+        contenders = [one for one in contenders if not one.is_rebound]
+    of_rebound = of_targets(study, common) if common else study
+    for one in (study, of_rebound):
+        _groups_left_out(one, by)
 
-    scored, refused = [], {}
-    for number, contender in enumerate(contenders, 1):
-        with within(f"law {number} of {len(contenders)}: "):
+    found, refused = [], {}
+    for contender, told in _in_turn(contenders, study):
+        own = of_rebound if contender.is_rebound else study
+        with within(told):
             tell(contender.name)
             try:
-                fit = fit_law(study, contender)
+                fit = _known_fit(contender, fits) or fit_law(own, contender)
             except InputError as error:
                 refused[contender.name] = str(error)
                 continue
-            scored.append(_scored(contender, fit, groups, exact))
-    if not scored:
+            found.append(_left_out(contender, fit, by, exact, common))
+    if not found:
         raise InputError(f"no law could be fitted: {'; '.join(refused.values())}")
-    fits, densities = zip(*scored, strict=True)
-    scores = [
-        GroupScores(name, names, np.stack([d[i] for d in densities], axis=1))
-        for i, (name, names, _) in enumerate(groups)
-    ]
+    grounds = [one for one in found if not one.contender.is_rebound]
+    if common == study.targets or len(grounds) == len(found):
+        return _ranked(study, found, by, refused)
+    beside = _ranked(of_rebound, found, by, refused)
+    beside = beside._replace(
+        targets_left_out=tuple(n for n in study.targets if n not in common)
+    )
+    if len(grounds) < 2:
+        return beside
+    return _ranked(study, grounds, by, refused)._replace(with_rebound=beside)
+
+
+def _in_turn(
+    contenders: list[Contender], study: Study
+) -> Iterator[tuple[Contender, str]]:
+    """Yield each law, with its number and about how long all that are left will take,
+    in words."""
+    begin, last = time.monotonic(), len(contenders)
+    expected = expected_seconds(contenders, study)
+    for number, contender in enumerate(contenders):
+        left = float(np.sum(expected[number:]))
+        if number:
+            # As much slower or faster as the laws before.
+            left *= (time.monotonic() - begin) / float(np.sum(expected[:number]))
+        duration = f"{left:.0f} s" if left < 90.0 else f"{left / 60.0:.0f} min"
+        yield contender, f"law {number + 1} of {last}, about {duration} left: "
+
+
+def expected_seconds(contenders: list[Contender], study: Study) -> np.ndarray:
+    """Estimate how long the fit and the scores of each law take [s], shape (laws,), to
+    a factor of two, from the time that a few impacts take."""
+    grounds = [one for one in contenders if not one.is_rebound]
+    seconds = np.full(len(contenders), OF_REBOUND)
+    if grounds:
+        objective = objective_of(study, grounds[0]).rough()
+        x = spread(objective, PER_UNKNOWN * len(objective.bounds.lower))
+        objective.values(x)  # compiled, if it was not
+        begin = time.perf_counter()
+        objective.values(x)
+        once = time.perf_counter() - begin
+        ground = COMPILED + EVALUATIONS * once
+        seconds[[not one.is_rebound for one in contenders]] = ground
+    return seconds
+
+
+def _known_fit(contender: Contender, fits: Sequence[VariantResult]) -> LawFit | None:
+    """Return the fit of a contender that is a variant of the study as it stands."""
+    for fit in fits:
+        if contender.law is fit.variant and not contender.more:
+            return law_fit(contender.name, fit.objective, fit.points)
+    return None
+
+
+class LawLeftOut(NamedTuple):
+    """A fitted law with its predictions of what was left out."""
+
+    contender: Contender
+    fit: LawFit
+    by: dict[str, HeldOut]
+    """Predictions of each kind of groups; densities of all targets of the law and of
+    those that laws of rebound predict."""
+
+
+def _left_out(
+    contender: Contender,
+    fit: LawFit,
+    by: str | Sequence[str] | None,
+    exact: bool,
+    common: tuple[str, ...],
+) -> LawLeftOut:
+    """Predict each kind of groups by fits without them."""
+    study = fit.objective.study
+    sets = np.array([[True] * len(study.targets), [n in common for n in study.targets]])
+    predictions = {
+        name: held_out(
+            *(fit.objective, fit.points, fit.uncertainty, group),
+            exact=exact or contender.is_rebound or name != TEST,
+            sets=sets,
+        )
+        for name, _, group in _all_groups(study, by)
+    }
+    return LawLeftOut(contender, fit, predictions)
+
+
+def _ranked(
+    study: Study,
+    found: list[LawLeftOut],
+    by: str | Sequence[str] | None,
+    refused: dict[str, str],
+) -> Compared:
+    """Score laws on the targets of a study, which all of them predict."""
+    scores = []
+    for name, names, group in _all_groups(study, by):
+        inside = group >= 0
+        densities = []
+        for one in found:
+            # All targets of the law, or those that laws of rebound predict.
+            of_set = int(one.fit.objective.study.targets != study.targets)
+            density = one.by[name].density[of_set]
+            densities.append(np.bincount(group[inside], density[inside]))
+        scores.append(GroupScores(name, names, np.stack(densities, axis=1)))
     order = np.argsort(-scores[0].totals, kind="stable")
     scores = [one._replace(scores=one.scores[:, order]) for one in scores]
     return Compared(
         study=study,
-        targets_left_out=left_out,
-        laws=[fits[place] for place in order],
+        targets_left_out=(),
+        laws=[_scored(found[place], study, int(place)) for place in order],
         by_test=scores[0],
         by_group=scores[1:],
         weights=stacking_weights(scores[0].scores),
@@ -173,42 +300,40 @@ def compare_study(
     )
 
 
-def _scored(
-    contender: Contender, fit: LawFit, groups: list[Groups], exact: bool
-) -> tuple[ScoredLaw, list[np.ndarray]]:
-    """Score a law by each kind of groups left out; log densities of these."""
-    predictions, densities = [], []
-    for name, _, group in groups:
-        one = held_out(
-            fit.objective,
-            fit.points,
-            fit.uncertainty,
-            group,
-            exact=exact or contender.is_rebound or name != TEST,
-        )
-        inside = group >= 0
-        predictions.append(one)
-        densities.append(np.bincount(group[inside], one.density[inside]))
-    study, points = fit.objective.study, fit.points
-    measured = study.exact
+def _scored(one: LawLeftOut, study: Study, named: int) -> ScoredLaw:
+    """Collect a law's fit and its predictions of the targets of a study."""
+    objective, points = one.fit.objective, one.fit.points
+    places = [objective.study.targets.index(name) for name in study.targets]
+    left_out = one.by[TEST]
+    of_set = int(len(places) < len(objective.study.targets))
+    left_out = left_out._replace(
+        density=left_out.density[of_set],
+        predicted=left_out.predicted[:, places],
+        deviation=left_out.deviation[:, places],
+    )
 
     def rms(predicted: np.ndarray) -> np.ndarray:
-        there = measured & np.isfinite(predicted)
+        there = study.exact & np.isfinite(predicted)
         squares = np.where(there, (predicted - study.measured) ** 2, 0.0)
         return np.sqrt(np.sum(squares, axis=0) / np.maximum(np.sum(there, axis=0), 1))
 
-    count = fit.fitted.parameters
-    acts = np.any(points.jacobian[0][study.known] != 0.0, axis=0)[:count]
-    law = ScoredLaw(
-        contender=contender,
-        fitted=fit.fitted,
-        rms=rms(points.predicted[0]),
-        rms_left_out=rms(predictions[0].predicted),
-        left_out=predictions[0],
+    count = one.fit.fitted.parameters
+    known = objective.study.known
+    acts = np.any(points.jacobian[0][known] != 0.0, axis=0)[:count]
+    return ScoredLaw(
+        contender=one.contender,
+        named=named,
+        fitted=one.fit.fitted,
+        rms=rms(points.predicted[0][:, places]),
+        rms_left_out=rms(left_out.predicted),
+        left_out=left_out,
         acts=tuple(acts.tolist()),
-        bounds_reached=tuple(fit.objective.bounds.bound_reached(points.x[0])[:count]),
+        bounds_reached=tuple(objective.bounds.bound_reached(points.x[0])[:count]),
     )
-    return law, densities
+
+
+def _all_groups(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
+    return [_each_test(study), *_groups_left_out(study, by)]
 
 
 def _each_test(study: Study) -> Groups:
@@ -221,7 +346,8 @@ def _each_test(study: Study) -> Groups:
 def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
     if by is None:
         labels = {CAMPAIGN: study.tests.labels[CAMPAIGN], SHAPE: study.tests.shapes}
-        by = [name for name, of_tests in labels.items() if len(set(of_tests)) > 1]
+        known = np.any(study.known, axis=1)
+        by = [n for n, texts in labels.items() if len(set(np.array(texts)[known])) > 1]
     return [_groups(study, name) for name in ([by] if isinstance(by, str) else by)]
 
 

@@ -8,6 +8,8 @@ from typing import NamedTuple
 from ..._checks import expect
 from ...errors import InputError, nearest
 from ...finding import find_class, shipped
+from ...laws.bearing import VesicWithInertia
+from ...laws.elasticity import ContactPressureModulus
 from ...parameters import Part, declared_of, parts_of
 from ...quantities import BASES, USUAL, shipped_parts
 from ...rebound import (
@@ -22,8 +24,22 @@ from ...scene_quantities import part_named
 from ..problem.config import Study, Variant
 from ..problem.laws import in_words, unusual
 
-MODEL, COHESIVE = "model", "model with cohesion"
-COHESION = "cohesion_kPa"
+MODEL, COHESION = "model", "cohesion_kPa"
+GROUNDS = {
+    "model with cohesion": ({}, (COHESION,)),
+    "model with modulus at contact pressure": (
+        {"elasticity": ContactPressureModulus},
+        (),
+    ),
+    "model with inertia": ({"bearing": VesicWithInertia}, ()),
+    "model with modulus at contact pressure and cohesion": (
+        {"elasticity": ContactPressureModulus},
+        (COHESION,),
+    ),
+    "model with inertia and cohesion": ({"bearing": VesicWithInertia}, (COHESION,)),
+}
+"""Grounds that are compared with the model unless others are named: laws that take the
+place of the study's, and parameters that are fitted beside the study's."""
 SOIL_SLOTS = tuple(parts_of(Soil))
 SIMPLE = (ConstantCoefficients, PfeifferBowen)
 """Laws of rebound that stand beside every prediction."""
@@ -49,18 +65,11 @@ class Contender(NamedTuple):
 
 
 def default_contenders(study: Study) -> list[Contender]:
-    """List the model as the study has it, with cohesion, its named alternatives, and
-    laws of rebound."""
-    first = study.variants[0]
-    used = {slot: type(part) for slot, part in (study.parts | first.laws).items()}
+    """List the model as the study has it, `GROUNDS` as far as they differ from it, and
+    laws of rebound; the first four answer most questions."""
     contenders = [_of_variant(variant, study) for variant in study.variants]
-    if _may_be_cohesive(study):
-        contenders.append(_cohesive(study))
-    contenders += [
-        _replacing(first, slot, kind())
-        for slot, kind in _laws_of_ground()
-        if used.get(slot) is not kind
-    ]
+    grounds = (_ground(name, study) for name in GROUNDS)
+    contenders += [ground for ground in grounds if isinstance(ground, Contender)]
     return contenders + [Contender(law.words, law) for law in REBOUND]
 
 
@@ -68,11 +77,11 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
     """Resolve the laws that a user names.
 
     Args:
-        laws: each "model"; "model with cohesion", which is then fitted too; a law of
-            the ground by its name ("ContactPressureModulus", "my_laws.py:MyFlow",
-            relative to the study) or as an object, which takes the place of the
-            study's; a `Soil`, whose laws do; a law of rebound by its words ("constant
-            coefficients"), its class or "my_laws.py:MyRebound". None for
+        laws: each "model"; one of `GROUNDS`, such as "model with cohesion", which is
+            then fitted too; a law of the ground by its name ("FluidityRate",
+            "my_laws.py:MyFlow", relative to the study) or as an object, which takes the
+            place of the study's; a `Soil`, whose laws do; a law of rebound by its words
+            ("constant coefficients"), its class or "my_laws.py:MyRebound". None for
             `default_contenders`.
 
     Raises InputError for a law that is unknown or stands twice.
@@ -119,14 +128,13 @@ def _named(text: str, study: Study) -> list[Contender]:
     several variants."""
     if _folded(text) == MODEL:
         return [_of_variant(variant, study) for variant in study.variants]
-    if _folded(text) == _folded(COHESIVE):
-        if not _may_be_cohesive(study):
-            raise InputError(
-                f"{COHESIVE!r} cannot be compared: the study fits or states "
-                f"{COHESION}, or its law of bearing has none"
-            )
-        return [_cohesive(study)]
-    known = [MODEL, COHESIVE]
+    for name in GROUNDS:
+        if _folded(text) == _folded(name):
+            ground = _ground(name, study)
+            if isinstance(ground, str):
+                raise InputError(f"{name!r} cannot be compared: {ground}")
+            return [ground]
+    known = [MODEL, *GROUNDS]
     for law in shipped(AbstractRebound):
         if _folded(text) in (_folded(law.words), _folded(law.__name__)):
             return [Contender(law.words, law)]
@@ -177,17 +185,24 @@ def _of_variant(variant: Variant, study: Study) -> Contender:
     return Contender(name, variant)
 
 
-def _may_be_cohesive(study: Study) -> bool:
-    """Tell whether the ground of a study may have a cohesion that is fitted."""
-    parts = {"bearing": USUAL["bearing"]()} | study.parts | study.variants[0].laws
-    declared = declared_of(type(parts["bearing"])).values()
-    stated = {*study.soil, *study.variants[0].soil, *study.tests.inputs}
+def _ground(name: str, study: Study) -> Contender | str:
+    """Make one of `GROUNDS`; or say why it is no other ground than the study's."""
+    laws, more = GROUNDS[name]
+    first = study.variants[0]
+    own = {slot: USUAL[slot]() for slot in laws | {"bearing": None}}
+    own |= study.parts | first.laws
+    for slot, kind in laws.items():
+        if type(own[slot]) is kind:
+            return f"the study has {kind.__name__} already"
+    laws = {slot: kind() for slot, kind in laws.items()}
+    declared = declared_of(type((own | laws)["bearing"])).values()
+    stated = {*study.soil, *first.soil, *study.tests.inputs}
     stated |= {one.name for one in (*study.parameters, *study.tied)}
-    return COHESION in {one.column for one in declared} - stated
-
-
-def _cohesive(study: Study) -> Contender:
-    return Contender(COHESIVE, study.variants[0], (COHESION,))
+    if more and COHESION not in {one.column for one in declared} - stated:
+        return f"the study fits or states {COHESION}, or its bearing has none"
+    if laws:
+        first = dataclasses.replace(first, name=name, laws={**first.laws, **laws})
+    return Contender(name, first, more)
 
 
 def _replacing(variant: Variant, slot: str, part: Part) -> Contender:

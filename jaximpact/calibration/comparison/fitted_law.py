@@ -116,7 +116,7 @@ def objective_of(study: Study, contender: Contender) -> Objective:
     law = contender.law
     more = tuple(Parameter(name, **DEFAULTS[name]) for name in contender.more)
     study = dataclasses.replace(study, parameters=(*study.parameters, *more))
-    if not any(law is variant for variant in study.variants):
+    if more or not any(law is variant for variant in study.variants):
         study = dataclasses.replace(study, starts=min(study.starts, 16))
     if isinstance(law, type):
         return rebound_objective(study, law)
@@ -133,8 +133,13 @@ def fit_law(study: Study, contender: Contender) -> LawFit:
     if not contender.is_rebound and np.all(study.sigma_given):
         objective = objective.no_finer_than_sigmas()
     objective, best, *_ = best_fit(objective)
+    return law_fit(contender.name, objective, best.points)
+
+
+def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
+    """Make of a best fit (one lane) what cross-validation needs."""
     objective = objective.no_finer_than_sigmas()
-    points = objective(best.points.x)
+    points = objective(points.x)
     uncertainty = estimate(objective, points)
     covariance = regular_covariance(objective, points, uncertainty.inflation)
     slope = objective.bounds.slope(points.x[0])
@@ -143,7 +148,7 @@ def fit_law(study: Study, contender: Contender) -> LawFit:
     constant = np.median(objective.sigma, axis=0)
     sigma = np.where(study.proportional, relative, constant)
     fitted = FittedLaw(
-        name=contender.name,
+        name=name,
         unknowns=tuple(names_of(study)),
         parameters=len(study.parameters),
         values=objective.bounds.parameter(points.x[0]),

@@ -49,8 +49,8 @@ class HeldOut(NamedTuple):
     """Predictions of tests by fits without their groups."""
 
     density: np.ndarray
-    """Log predictive density of the measurements of each test, shape (tests,); 0 for a
-    test without measurement."""
+    """Log predictive density of the measurements of each test, shape (sets of targets,
+    tests); 0 for a test without measurement."""
     predicted: np.ndarray
     """Predictions, shape (tests, targets); NaN where there is none."""
     deviation: np.ndarray
@@ -66,6 +66,7 @@ def held_out(
     group: np.ndarray,
     *,
     exact: bool,
+    sets: np.ndarray,
 ) -> HeldOut:
     """Predict each group of tests by the fit to the others.
 
@@ -74,6 +75,7 @@ def held_out(
         best, uncertainty: the fit to all, of one lane.
         group: index of the group of each test, shape (tests,).
         exact: whether every group is refitted.
+        sets: masks of the targets whose density is computed, shape (sets, targets).
     """
     known = objective.study.known
     left = group == np.arange(np.max(group) + 1)[:, None]
@@ -82,16 +84,16 @@ def held_out(
     refitted = exact | np.any(np.abs(steps / errors) > SMALL_STEP, axis=1)
     steps[refitted] = np.nan
     predicted, deviation = np.full((2, *known.shape), np.nan)
-    density = np.zeros(len(group))
+    density = np.zeros((len(sets), len(group)))
     for rest in fits_without(objective, best, group, steps, best.x):
         predicted[rest.tests] = rest.points.predicted[0, rest.tests]
-        deviation[rest.tests], density[rest.tests] = _predict(rest)
+        deviation[rest.tests], density[:, rest.tests] = _predict(rest, sets)
     return HeldOut(density, predicted, deviation, int(np.sum(refitted)))
 
 
-def _predict(fitted: Rest) -> tuple[np.ndarray, np.ndarray]:
+def _predict(fitted: Rest, sets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Compute the deviations of the tests left out, shape (tests left out, targets),
-    and their log densities, shape (tests left out,)."""
+    and their log densities, shape (sets of targets, tests left out)."""
     tests, rest, points, _ = fitted
     study = rest.study
     if not np.all(study.sigma_given):
@@ -113,14 +115,15 @@ def _predict(fitted: Rest) -> tuple[np.ndarray, np.ndarray]:
         u = (measured - predicted) / deviation
         u = np.where(np.isfinite(predicted), u, MISSED_BY)
         of_cells = log_densities(u, deviation, censored, freedom)
-        return np.sum(np.where(known, of_cells, 0.0), axis=-1)
+        of_sets = (np.where(known & chosen, of_cells, 0.0) for chosen in sets)
+        return np.stack([np.sum(cells, axis=-1) for cells in of_sets])
 
     at_best = density(points.predicted[0, tests], deviation)
     places = np.flatnonzero(tests)
     x = draws_about(rest, points, root_of(covariance), DRAWS)
     draws = rest.of_tests(places).values(x).predicted
     jumps = _jumps(rest, points, places, x, draws) & np.any(known, axis=1)
-    mixture = logsumexp(density(draws, noise), axis=0) - np.log(DRAWS)
+    mixture = logsumexp(density(draws, noise), axis=1) - np.log(DRAWS)
     return deviation, np.where(jumps, mixture, at_best)
 
 

@@ -10,6 +10,7 @@ $$ \max_w \sum_i \ln \sum_k w_k \exp l_{ik}, \qquad w_k \ge 0, \ \sum_k w_k = 1 
 (Yao, Vehtari, Simpson and Gelman 2018, Bayesian Analysis 13, 917-1007).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -37,18 +38,19 @@ class Ranking(NamedTuple):
     ties: tuple[int, ...]
     """Indices of the laws that tie with the best, the best among them."""
     preferred: int
-    """Index of the law with the fewest parameters among them; of several the best."""
+    """Index of the law with the fewest parameters among them; of several the one that
+    was named first."""
 
 
-def ranking(scores: np.ndarray, counts: list[int]) -> Ranking:
-    """Rank laws by their log predictive densities, shape (units, laws), and the number
-    of their parameters."""
+def ranking(scores: np.ndarray, counts: Sequence[int], named: Sequence[int]) -> Ranking:
+    """Rank laws by their log predictive densities, shape (units, laws), the number of
+    their parameters, and the order in which they were named."""
     totals = np.sum(scores, axis=0)
     best = int(np.argmax(totals))
     pairs = [difference(scores, law, best) for law in range(len(counts))]
     apart, error = (np.array(part) for part in zip(*pairs, strict=True))
     ties = tuple(i for i, pair in enumerate(pairs) if i == best or is_tie(*pair))
-    preferred = min(ties, key=lambda i: (counts[i], -totals[i]))
+    preferred = min(ties, key=lambda i: (counts[i], named[i]))
     return Ranking(best, apart, error, ties, preferred)
 
 

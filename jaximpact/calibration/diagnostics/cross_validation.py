@@ -174,7 +174,7 @@ def fits_without(
     """
     coarser = objective.no_finer_than_sigmas()
     for number, step in enumerate(steps):
-        tell("groups left out", number, len(steps))
+        tell(f"{number} of {len(steps)} groups left out")
         tests = group == number
         if np.all(np.isfinite(step)):
             rest, reason = objective.without(tests), Reason.converged

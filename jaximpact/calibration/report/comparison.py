@@ -1,6 +1,5 @@
 """The comparison of laws in words, as tables and as numbers."""
 
-import itertools
 from functools import partial
 
 import numpy as np
@@ -12,7 +11,16 @@ from ..comparison.ranking import ERRORS, FEWEST_UNITS, SMALL_DIFFERENCE, Ranking
 from ..problem.config import Variant
 
 CSV_COLUMNS = (
-    *("law", "row", "test", "log_density", "target", "measured", "left_out"),
+    *(
+        "compared_on",
+        "law",
+        "row",
+        "test",
+        "log_density",
+        "target",
+        "measured",
+        "left_out",
+    ),
     "left_out_deviation",
 )
 RULE = (
@@ -22,67 +30,71 @@ RULE = (
 
 
 def verdict(compared: Compared) -> list[str]:
-    """Say which law to use, first by single tests, then by groups."""
-    ranking = compared.ranking()
-    worse = (worse_than_others(compared, one) for one in compared.study.variants)
-    lines = [" ".join([_in_words(compared, ranking), *itertools.chain(*worse)])]
-    lines += [_by_group(compared, scores, ranking) for scores in compared.by_group]
-    weights = [
-        f"{law.name} {weight:.2f}"
-        for law, weight in zip(compared.laws, compared.weights, strict=True)
-        if weight >= 0.05
-    ]
-    lines.append(f"Stacking weights: {', '.join(weights)}.")
+    """Say in one sentence which law to use for which targets; then what groups left out
+    say, and the stacking weights."""
+    sentences = [_in_words(one) for one in compared.parts]
+    lines = ["; ".join(sentences).replace("; For", "; for") + "."]
+    for one in compared.parts:
+        ranking = one.ranking()
+        lines += [_by_group(one, scores, ranking) for scores in one.by_group]
+        weights = [
+            f"{law.name} {weight:.2f}"
+            for law, weight in zip(one.laws, one.weights, strict=True)
+            if weight >= 0.05
+        ]
+        lines.append(f"Stacking weights{_targets(one)}: {', '.join(weights)}.")
     return lines
 
 
-def _in_words(compared: Compared, ranking: Ranking) -> str:
-    names = [law.name for law in compared.laws]
-    counts = [law.count for law in compared.laws]
-    best, preferred = names[ranking.best], ranking.preferred
+def _targets(compared: Compared) -> str:
+    alone = f" of {listed(compared.study.targets)} alone"
+    return alone if compared.targets_left_out else ""
+
+
+def _in_words(compared: Compared) -> str:
+    ranking, names = compared.ranking(), [law.name for law in compared.laws]
+    text = f"For {listed(compared.study.targets)}"
+    text += " alone, laws of rebound included" if compared.targets_left_out else ""
     if len(names) == 1:
-        return f"{best} was compared with no other law."
+        return f"{text}, {names[0]} was compared with no other law"
     units = len(compared.by_test.groups)
     if units < FEWEST_UNITS:
         return (
-            f"{units} of the {FEWEST_UNITS} tests that are needed to tell which law "
-            "predicts best: none is preferred."
+            f"{text}, no law is preferred, since {units} of the {FEWEST_UNITS} tests "
+            "that are needed to tell which law predicts best were measured"
         )
-    others = [names[i] for i in ranking.ties if i != ranking.best]
-    if not others:
-        return f"{best} predicts a test that it has not seen better than all others."
-    text = f"A tie: {listed([best, *others])} predict equally well."
-    if preferred == ranking.best:
-        return (
-            f"{text} Prefer {best}: no law of the tie has fewer fitted parameters "
-            f"({counts[preferred]})."
-        )
+    text += f", use {names[ranking.preferred]}"
+    if len(ranking.ties) == 1:
+        return f"{text}: it predicts tests left out better than all other laws"
+    count = compared.laws[ranking.preferred].count
     return (
-        f"{text} Prefer {names[preferred]}, the simplest of them: "
-        f"{counts[preferred]} fitted parameter{'s' * (counts[preferred] > 1)} against "
-        f"{counts[ranking.best]} of {best}."
+        f"{text}: {len(ranking.ties)} of {len(names)} laws predict tests left out "
+        f"equally well, and none of these has fewer fitted parameters ({count})"
     )
 
 
 def worse_than_others(compared: Compared, variant: Variant) -> list[str]:
     """Warn that another law predicts better than a variant of the study."""
-    ranking, names = compared.ranking(), [law.name for law in compared.laws]
-    return [
-        f"The {law.name} predicts worse: its score is {_difference(ranking, place)} "
-        f"less than that of {names[ranking.best]}. Predict with "
-        f"{names[ranking.preferred]}."
-        for place, law in enumerate(compared.laws)
-        if law.contender.law is variant
-        and not law.contender.more
-        and place not in ranking.ties
-    ]
+    lines = []
+    for one in compared.parts:
+        ranking, names = one.ranking(), [law.name for law in one.laws]
+        lines += [
+            f"The {law.name} predicts {listed(one.study.targets)} worse: its score is "
+            f"{_difference(ranking, place)} less than that of {names[ranking.best]}. "
+            f"Predict with {names[ranking.preferred]}."
+            for place, law in enumerate(one.laws)
+            if law.contender.law is variant
+            and not law.contender.more
+            and place not in ranking.ties
+        ]
+    return lines
 
 
 def _by_group(compared: Compared, scores: GroupScores, whole: Ranking) -> str:
     ranking = compared.ranking(scores)
     names = [law.name for law in compared.laws]
-    text = f"By {scores.by} ({len(scores.groups)} groups left out one by one): "
-    text += f"{names[ranking.best]} predicts best"
+    text = f"By {scores.by}{_targets(compared)} ({len(scores.groups)} groups left out "
+    text += f"one by one): {names[ranking.best]} predicts best"
     if len(scores.groups) < FEWEST_UNITS:
         text += (
             f"; with fewer than {FEWEST_UNITS} groups the differences have no standard "
@@ -103,41 +115,52 @@ def _by_group(compared: Compared, scores: GroupScores, whole: Ranking) -> str:
 
 def comparison_parts(compared: Compared) -> list[Part]:
     """Write the sentences and tables of a comparison."""
-    study = compared.study
+    box = Box("verdict", ["Which law the tests prefer", *verdict(compared)])
+    score = (
+        "Score: the log predictive density of each test by the fit to the others, "
+        f"summed; larger is better. {RULE}"
+    )
+    parts = [box, score, *_tables(compared)]
+    if compared.with_rebound is not None:
+        title = f"Laws of rebound included:{_targets(compared.with_rebound)[3:]}"
+        parts.append(ReportSection(title, _tables(compared.with_rebound)))
+    return parts
+
+
+def _tables(compared: Compared) -> list[Part]:
+    """Write the tables of laws compared on the same targets."""
     notes = [
-        f"{len(compared.laws)} laws fitted to {', '.join(study.targets)} of "
+        f"{len(compared.laws)} laws compared on {listed(compared.study.targets)} of "
         f"{len(compared.by_test.groups)} tests, with the same errors of measurement."
     ]
     if compared.targets_left_out:
         notes.append(
             f"Left out: {', '.join(compared.targets_left_out)}, which laws of rebound "
-            "do not predict."
+            "do not predict; laws of the ground are fitted to them too."
         )
     notes += [f"Not compared: {n}: {why}." for n, why in compared.refused.items()]
-    notes.append(
-        "Score: the log predictive density of each test by the fit to the others, "
-        f"summed; larger is better. {RULE}"
-    )
     groups = [
         ReportSection(f"Scores by {scores.by}", [_group_table(compared, scores)])
         for scores in compared.by_group
     ]
-    box = Box("verdict", ["Which law the tests prefer", *verdict(compared)])
     fitted = ReportSection("Fitted parameters", [_fitted_table(compared)])
-    return [box, *notes, _score_table(compared), *groups, fitted]
+    return [*notes, _score_table(compared), *groups, fitted]
 
 
-def comparison_picture(compared: Compared) -> Picture:
+def comparison_pictures(compared: Compared) -> list[Picture]:
     """Show the scores of the laws."""
     # Matplotlib takes half a second to import, which text does not need.
     from .drawings import draw_comparison
 
-    return Picture(
-        partial(draw_comparison, compared),
-        "Scores of the laws, less that of the best",
-        "Score of each law less that of the best, with two standard errors; red: "
-        "preferred, blue: ties, grey: worse.",
-    )
+    return [
+        Picture(
+            partial(draw_comparison, one),
+            f"Scores of the laws{_targets(one)}, less that of the best",
+            f"Score of each law for {listed(one.study.targets)} less that of the best, "
+            "with two standard errors; red: preferred, blue: ties, grey: worse.",
+        )
+        for one in compared.parts
+    ]
 
 
 def _score_table(compared: Compared) -> Table:
@@ -202,7 +225,7 @@ def _fitted_table(compared: Compared) -> Table:
 
 def comparison_json(compared: Compared) -> dict:
     """Collect the numbers of a comparison."""
-    ranking = compared.ranking()
+    ranking, beside = compared.ranking(), compared.with_rebound
     return {
         "targets": compared.study.targets,
         "targets_left_out": compared.targets_left_out,
@@ -226,24 +249,26 @@ def comparison_json(compared: Compared) -> dict:
             for scores in compared.by_group
         },
         "refused": compared.refused,
+        "with_rebound": beside and comparison_json(beside),
     }
 
 
 def comparison_csv(compared: Compared) -> str:
     """Write a line for each law and each measurement.
 
-    `log_density` is that of the whole test, and stands in every line of it.
+    `log_density` is that of all targets of a test that are compared, and stands in
+    every line of it; `compared_on` names them.
     """
-    study = compared.study
     rows = [
         (
-            *(law.name, test + 1, study.tests.name(int(test))),
-            *(law.left_out.density[test], study.targets[target]),
-            study.measured[test, target],
+            *(" ".join(one.study.targets), law.name),
+            *(test + 1, one.study.tests.name(int(test)), law.left_out.density[test]),
+            *(one.study.targets[target], one.study.measured[test, target]),
             law.left_out.predicted[test, target],
             law.left_out.deviation[test, target],
         )
-        for law in compared.laws
-        for test, target in zip(*np.nonzero(study.known), strict=True)
+        for one in compared.parts
+        for law in one.laws
+        for test, target in zip(*np.nonzero(one.study.known), strict=True)
     ]
     return Table(CSV_COLUMNS, rows).csv()

@@ -15,7 +15,7 @@ from ..diagnostics.residuals import varying_inputs
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.scatter import chosen_in_words
 from . import contents, drawings, parameters
-from .comparison import comparison_parts, comparison_picture, worse_than_others
+from .comparison import comparison_parts, comparison_pictures, worse_than_others
 
 PROFILES = (
     "Standard errors follow from the curvature of the objective function at the best "
@@ -41,7 +41,7 @@ def study_report(
             inner = [ReportSection(variant.variant.name, parts)] if several else parts
             sections.setdefault(title, []).extend(inner)
     if compared is not None:
-        parts = [*comparison_parts(compared), comparison_picture(compared)]
+        parts = [*comparison_parts(compared), *comparison_pictures(compared)]
         sections["Laws compared"] = parts
     ending = (
         "These numbers are in fit.json and fitted.csv. What they mean, and when not to "

@@ -5,10 +5,21 @@ import math
 import os
 import sys
 import time
-from typing import TextIO
+from collections.abc import Iterator
+from typing import Literal, TextIO
 
-from ..errors import shown
-from ..progress import Progress, in_words
+from .errors import shown
+from .progress import (
+    SILENT,
+    Progress,
+    ProgressFunction,
+    in_words,
+    listening,
+    reporting_to,
+)
+
+ProgressChoice = Progress | ProgressFunction | Literal[False] | None
+"""What a user gives: a function, False for silence, or None for lines on stderr."""
 
 
 def say(text: str) -> None:
@@ -34,14 +45,19 @@ def forget(stream: TextIO) -> None:
 class ProgressLines(Progress):
     """Progress as lines on stderr, to be used in a `with`.
 
-    On a terminal each line overwrites the last one, and the end of the `with` ends the
-    line. Elsewhere counted work has a line every tenth, and other work one every five
-    seconds.
+    On a terminal and in a notebook each line overwrites the last one, and the end of
+    the `with` ends the line. Elsewhere counted work has a line every tenth, and other
+    work one every five seconds.
+
+    Args:
+        delay: seconds before the first line, so that short work has none.
     """
 
-    def __init__(self):
+    def __init__(self, delay: float = 0.0):
         self._stream = sys.stderr
-        self._overwrites = self._stream.isatty()
+        in_notebook = type(self._stream).__module__.startswith("ipykernel")
+        self._overwrites = self._stream.isatty() or in_notebook
+        self._first = time.monotonic() + delay
         self._length = 0
         self._last_part: tuple[str, int] | None = None
         self._last_time = -math.inf
@@ -54,6 +70,8 @@ class ProgressLines(Progress):
             write(self._stream, "\n")
 
     def __call__(self, what, done=None, total=None):
+        if time.monotonic() < self._first:
+            return
         text = shown(in_words(what, done, total))
         if done is not None and total is not None:
             text += f" ({100 * done // total} %)"
@@ -73,3 +91,15 @@ class ProgressLines(Progress):
         if due:
             self._last_time = now
         return due
+
+
+@contextlib.contextmanager
+def showing(progress: ProgressChoice) -> Iterator[None]:
+    """Have what a user gave listen to the work inside; with None whoever listens
+    already does, or else lines on stderr once it has taken two seconds."""
+    if progress is None and listening() is SILENT:
+        with ProgressLines(delay=2.0) as lines, reporting_to(lines):
+            yield
+    else:
+        with reporting_to(SILENT if progress is False else progress):
+            yield
