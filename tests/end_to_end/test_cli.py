@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -23,7 +24,8 @@ from jaximpact import (
     simulate_batch,
 )
 from jaximpact.cli import main
-from jaximpact.progress_lines import ProgressLines
+from jaximpact.progress import as_progress, in_words, tell, telling
+from jaximpact.progress_lines import ProgressLines, showing
 from jaximpact.quantities import (
     ENERGY_COLUMNS,
     FURTHER_COLUMNS,
@@ -277,3 +279,24 @@ def test_progress_elsewhere_is_a_line_every_tenth(monkeypatch):
             progress("impacts", done, 100)
     lines = sys.stderr.getvalue().splitlines()
     assert lines == [f"{n} of 100 impacts ({n} %)" for n in range(0, 101, 10)]
+
+
+def test_progress_in_python_waits_and_can_be_off(monkeypatch):
+    """Short work has no line; False is silence; who listens already hears it alone."""
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    clock = iter(range(100))
+    monkeypatch.setattr(time, "monotonic", lambda: 1.5 * next(clock))
+    with showing(None):  # at 0 s: lines from 2 s on
+        tell("early")
+        tell("late")
+    with showing(False):
+        tell("silent")
+    heard = []
+    with telling(as_progress(heard.append)), showing(None):
+        tell("heard")
+    assert sys.stderr.getvalue() == "\rlate\n"
+    assert heard == ["heard"]
+
+
+def test_a_count_stands_behind_its_step():
+    assert in_words("drops: impacts", 3, 10) == "drops: 3 of 10 impacts"

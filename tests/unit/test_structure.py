@@ -22,7 +22,7 @@ from jaximpact.cli import main
 
 LAYERS = """
     errors _types _tables _safe _checks _jax_internals _settings _precision units
-    _packages interruption progress file_locks store
+    _packages interruption progress progress_lines file_locks store
     finding code_state parameters identity accuracy
     shapes laws part_checks scene
     quantities scene_quantities

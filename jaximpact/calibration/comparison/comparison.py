@@ -31,8 +31,8 @@ TEST = "test"
 COMPILED, EVALUATIONS = 3.0, 40.0
 """Seconds that a law of the ground takes to compile, and the work of its fit and scores
 in generations of its search; both measured on the studies of the project."""
-OF_REBOUND = 2.0
-"""Seconds that a law of rebound takes."""
+SHORT = 2.0
+"""Seconds that a law of rebound takes, or one that is fitted already."""
 
 Groups = tuple[str, tuple[str, ...], np.ndarray]
 """Column whose groups are left out, names of the groups, and index of the group of each
@@ -139,8 +139,27 @@ def check_comparison(
     study: Study, laws: Iterable[Law] | None, by: str | Sequence[str] | None
 ) -> None:
     """Raise InputError for laws or columns that `compare_study` would refuse."""
-    contenders_of(laws, study)
-    _groups_left_out(study, by)
+    _checked(study, laws, by)
+
+
+def _checked(
+    study: Study, laws: Iterable[Law] | None, by: str | Sequence[str] | None
+) -> tuple[list[Contender], Study]:
+    """Return the laws, and the study with the targets that laws of rebound predict if
+    there are any. Raises InputError for laws or columns that cannot be used."""
+    contenders = contenders_of(laws, study)
+    common = predicted_by_rebound(study)
+    if not common and any(contender.is_rebound for contender in contenders):
+        if laws is not None:
+            raise InputError(
+                f"laws of rebound predict none of {', '.join(study.targets)}; name "
+                "laws of the ground alone, or measure velocities or coefficients too"
+            )
+        contenders = [one for one in contenders if not one.is_rebound]
+    of_rebound = of_targets(study, common) if common else study
+    for one in (study, of_rebound):
+        _groups_left_out(one, by)
+    return contenders, of_rebound
 
 
 def compare_study(
@@ -160,26 +179,15 @@ def compare_study(
     Raises InputError for laws or columns that cannot be used, and where no law can be
     fitted.
     """
-    contenders = contenders_of(laws, study)
-    common = predicted_by_rebound(study)
-    if not common and any(contender.is_rebound for contender in contenders):
-        if laws is not None:
-            raise InputError(
-                f"laws of rebound predict none of {', '.join(study.targets)}; name "
-                "laws of the ground alone, or measure velocities or coefficients too"
-            )
-        contenders = [one for one in contenders if not one.is_rebound]
-    of_rebound = of_targets(study, common) if common else study
-    for one in (study, of_rebound):
-        _groups_left_out(one, by)
-
+    contenders, of_rebound = _checked(study, laws, by)
+    common = of_rebound.targets
     found, refused = [], {}
-    for contender, told in _in_turn(contenders, study):
+    for contender, told in _in_turn(contenders, study, fits):
         own = of_rebound if contender.is_rebound else study
         with within(told):
             tell(contender.name)
             try:
-                fit = _known_fit(contender, fits) or fit_law(own, contender)
+                fit = _fit(contender, own, fits)
             except InputError as error:
                 refused[contender.name] = str(error)
                 continue
@@ -199,12 +207,12 @@ def compare_study(
 
 
 def _in_turn(
-    contenders: list[Contender], study: Study
+    contenders: list[Contender], study: Study, fits: Sequence[VariantResult]
 ) -> Iterator[tuple[Contender, str]]:
     """Yield each law, with its number and about how long all that are left will take,
     in words."""
     begin, last = time.monotonic(), len(contenders)
-    expected = expected_seconds(contenders, study)
+    expected = _expected_seconds(contenders, study, fits)
     for number, contender in enumerate(contenders):
         left = float(np.sum(expected[number:]))
         if number:
@@ -214,29 +222,35 @@ def _in_turn(
         yield contender, f"law {number + 1} of {last}, about {duration} left: "
 
 
-def expected_seconds(contenders: list[Contender], study: Study) -> np.ndarray:
+def _expected_seconds(
+    contenders: list[Contender], study: Study, fits: Sequence[VariantResult]
+) -> np.ndarray:
     """Estimate how long the fit and the scores of each law take [s], shape (laws,), to
     a factor of two, from the time that a few impacts take."""
-    grounds = [one for one in contenders if not one.is_rebound]
-    seconds = np.full(len(contenders), OF_REBOUND)
-    if grounds:
-        objective = objective_of(study, grounds[0]).rough()
+    long = [not c.is_rebound and _known(c, fits) is None for c in contenders]
+    seconds = np.full(len(contenders), SHORT)
+    if any(long):
+        objective = objective_of(study, contenders[long.index(True)]).rough()
         x = spread(objective, PER_UNKNOWN * len(objective.bounds.lower))
         objective.values(x)  # compiled, if it was not
         begin = time.perf_counter()
         objective.values(x)
         once = time.perf_counter() - begin
-        ground = COMPILED + EVALUATIONS * once
-        seconds[[not one.is_rebound for one in contenders]] = ground
+        seconds[long] = COMPILED + EVALUATIONS * once
     return seconds
 
 
-def _known_fit(contender: Contender, fits: Sequence[VariantResult]) -> LawFit | None:
-    """Return the fit of a contender that is a variant of the study as it stands."""
-    for fit in fits:
-        if contender.law is fit.variant and not contender.more:
-            return law_fit(contender.name, fit.objective, fit.points)
-    return None
+def _known(contender: Contender, fits: Sequence[VariantResult]) -> VariantResult | None:
+    """Find the fit of a contender that is a variant of the study as it stands."""
+    own = (fit for fit in fits if contender.law is fit.variant and not contender.more)
+    return next(own, None)
+
+
+def _fit(contender: Contender, study: Study, fits: Sequence[VariantResult]) -> LawFit:
+    known = _known(contender, fits)
+    if known is None:
+        return fit_law(study, contender)
+    return law_fit(contender.name, known.objective, known.points)
 
 
 class LawLeftOut(NamedTuple):
