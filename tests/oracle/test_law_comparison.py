@@ -1,6 +1,7 @@
 """Comparison of laws: densities of what was left out against exact refits and closed
 forms, ties, stacking, and laws that are found in data that they made."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import jax
@@ -25,6 +26,7 @@ from jaximpact import (
 )
 from jaximpact.calibration import compare
 from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.compare_laws import Comparison
 from jaximpact.calibration.comparison.comparison import (
     Compared,
     GroupScores,
@@ -530,3 +532,40 @@ def test_cohesion_that_made_the_tests_is_found():
     assert found[60e3].preferred == "model with cohesion"
     assert found[60e3].ties == ("model with cohesion",)
     assert found[0.0].preferred == "model"
+
+
+@pytest.mark.slow
+def test_grounds_on_all_targets_and_laws_of_rebound_on_theirs(tmp_path):
+    """Nothing measured is dropped: each has its comparison, by one fit."""
+    draw = np.random.default_rng(1)
+    speed = np.linspace(3.0, 15.0, 8)
+    made = simulate_batch(Scene(Block(mass=100.0), Soil(), Impact(speed=speed)))
+    noise = draw.lognormal(0.0, 0.02, (2, 8))
+    tests = {
+        "mass_kg": np.full(8, 100.0),
+        "speed_mps": speed,
+        "e_n": made.e_n * noise[0],
+        "max_normal_force_N": made.max_normal_force * noise[1],
+    }
+    study = dataclasses.replace(study_of_columns(tests), starts=4)
+    laws = ["model", "model with cohesion", "constant coefficients"]
+    found = Comparison(compare_study(study, laws))
+    beside = found.with_rebound
+    assert found.targets == ("e_n", "max_normal_force_N")
+    assert set(found.laws) == {*laws[:2]}
+    assert beside.targets == ("e_n",)
+    assert set(beside.laws) == {*laws}
+    assert beside.with_rebound is None
+    for name in laws[:2]:
+        assert found.law(name).parameters == beside.law(name).parameters
+        assert found.law(name).rms_left_out[0] == beside.law(name).rms_left_out[0]
+    text = " ".join(str(found).split())
+    assert "For e_n and max_normal_force_N, use model" in text
+    assert "; for e_n alone, laws of rebound included, use model" in text
+    assert "Left out: max_normal_force_N" in text
+    new = {"mass_kg": [100.0], "speed_mps": [9.0]}
+    assert found.predict(new).middle.shape == (1, 2)
+    assert beside.predict(new).middle.shape == (1, 1)
+    found.write(tmp_path / "out")
+    lines = (tmp_path / "out" / "comparison.csv").read_text().splitlines()
+    assert len(lines) == 1 + 2 * 16 + 3 * 8

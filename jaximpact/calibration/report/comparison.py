@@ -130,7 +130,7 @@ def comparison_parts(compared: Compared) -> list[Part]:
 def _tables(compared: Compared) -> list[Part]:
     """Write the tables of laws compared on the same targets."""
     notes = [
-        f"{len(compared.laws)} laws compared on {listed(compared.study.targets)} of "
+        f"Laws compared on {listed(compared.study.targets)} of "
         f"{len(compared.by_test.groups)} tests, with the same errors of measurement."
     ]
     if compared.targets_left_out:
