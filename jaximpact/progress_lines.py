@@ -70,6 +70,7 @@ class ProgressLines(Progress):
             write(self._stream, "\n")
 
     def __call__(self, what, done=None, total=None):
+        super().__call__(what, done, total)
         if time.monotonic() < self._first:
             return
         text = shown(in_words(what, done, total))
