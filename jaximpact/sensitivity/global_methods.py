@@ -57,6 +57,7 @@ def sobol(
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
     blocks: int = 4096,
+    second_order: bool = False,
     seed: int = 0,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     journal: Path | None = None,
@@ -79,6 +80,8 @@ def sobol(
         blocks: number of blocks of Saltelli's sample, a power of two; each takes an
             impact for every parameter and two more. Confidence intervals narrow with
             its square root.
+        second_order: whether to compute the indices of pairs too, for which each block
+            takes nearly twice the impacts.
         seed: of the sample and of the bootstrap.
         accuracy, journal, progress: as for `simulate_batch`.
 
@@ -87,9 +90,11 @@ def sobol(
         `..._interval`, the half width of the 95 % confidence interval (bootstrap). For
         each output its `mean` and `standard_deviation` over the ranges, and
         `groups_kept`, `groups_dropped`: a block with an impact that has no value is
-        left out whole; see `sensitivity.global_methods`. Indices are NaN where fewer
-        than half of the blocks are left, or the output does not change; `reason` says
-        so.
+        left out whole; see `sensitivity.global_methods`. With `second_order` also
+        `second_order` and its interval over `parameter` and `with`: the fraction of the
+        variance that two parameters account for only together. Indices are NaN where
+        fewer than half of the blocks are left, or the output does not change; `reason`
+        says so.
         Outcomes (attribute `outcomes`) that are no failure count as they are: a
         separating block has an e_n of -1.
 
@@ -107,15 +112,19 @@ def sobol(
             f"{2 ** round(math.log2(blocks))}"
         )
     study = _Study.of(base, ranges, outputs, seed, accuracy)
-    study.check_size(blocks, "blocks", blocks * (len(study.ranges) + 2))
+    count = len(study.ranges)
+    study.check_size(blocks, "blocks", blocks * (count * (1 + second_order) + 2))
     from SALib.sample import sobol as salib  # a second, for pandas and SciPy
 
     fractions = salib.sample(
-        problem_of(study.ranges), blocks, calc_second_order=False, seed=seed
+        problem_of(study.ranges), blocks, calc_second_order=second_order, seed=seed
     )
     values, attributes = study.simulate(fractions, blocks, journal, progress)
-    estimates = [sobol_of(of_output, seed) for of_output in values]
-    return study.dataset("Sobol indices", estimates, SOBOL, attributes)
+    estimates = [sobol_of(of_output, seed, second_order) for of_output in values]
+    dataset = study.dataset("Sobol indices", estimates, SOBOL | PAIRS, attributes)
+    if second_order:
+        dataset = dataset.assign_coords({"with": dataset.parameter.values})
+    return dataset
 
 
 @numpy_settings()
@@ -241,7 +250,7 @@ class _Study(NamedTuple):
         columns = {}
         for name in estimates[0]:
             values = np.array([of_output[name] for of_output in estimates])
-            dimensions = ("output", "parameter")[: values.ndim]
+            dimensions = ("output", "parameter", "with")[: values.ndim]
             columns[name] = dimensions, values, meanings.get(name, {})
         return xr.Dataset(
             columns,
@@ -270,6 +279,10 @@ SOBOL = {
     "first_order_interval": ("S1_conf", "-", HALF_WIDTH),
     "total_order": ("ST", "-", "total index"),
     "total_order_interval": ("ST_conf", "-", HALF_WIDTH),
+}
+PAIRS = {
+    "second_order": ("S2", "-", "second-order index"),
+    "second_order_interval": ("S2_conf", "-", HALF_WIDTH),
 }
 MORRIS = {
     "mean_effect": ("mu", "output_unit", "mean effect of the whole range, mu"),
@@ -312,9 +325,9 @@ def _estimate(
     elif np.ptp(whole) <= 1e-12 * np.abs(whole).max():
         reason = "the output does not change"
     analysis = {} if reason else analyze(complete)
-    nothing = np.full(parameters, np.nan)
+    shapes = {name: (parameters,) * (1 + (name in PAIRS)) for name in of_method}
     return {
-        name: np.asarray(analysis.get(of_salib, nothing), float)
+        name: np.asarray(analysis.get(of_salib, np.full(shapes[name], np.nan)), float)
         for name, (of_salib, _, _) in of_method.items()
     } | {
         "groups_kept": np.int32(len(whole)),
@@ -323,13 +336,17 @@ def _estimate(
     }, whole
 
 
-def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, Any]:
+def sobol_of(
+    values: Float[np.ndarray, "blocks rows"], seed: int, second_order: bool = False
+) -> dict[str, Any]:
     """Estimate first-order and total indices from blocks of Saltelli's sample.
 
     Args:
         values: a row for each block, in SALib's order: A, then A with each parameter
-            from B, then B; NaN where there is none.
+            from B, for the second order B with each from A, then B; NaN where there is
+            none.
         seed: of the bootstrap.
+        second_order: whether to estimate indices of pairs too.
 
     Returns the variables of `sobol` for one output.
 
@@ -337,19 +354,22 @@ def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, A
     """
     from SALib.analyze import sobol as salib  # a second, for pandas and SciPy
 
-    parameters = values.shape[1] - 2
+    parameters = (values.shape[1] - 2) // (1 + second_order)
     estimates, whole = _estimate(
         values,
         parameters,
-        SOBOL,
+        SOBOL | PAIRS if second_order else SOBOL,
         lambda complete: salib.analyze(
             problem_of(map(str, range(parameters))),
             values[complete].ravel(),
-            calc_second_order=False,
+            calc_second_order=second_order,
             seed=seed + 1,  # SALib takes 0 for none
             **BOOTSTRAP,
         ),
     )
+    for name in PAIRS.keys() & estimates.keys():  # of which SALib fills one half
+        pairs = estimates[name]
+        estimates[name] = np.where(np.isnan(pairs), pairs.T, pairs)
     ends = np.full(1, np.nan) if estimates["reason"] else whole[:, [0, -1]]
     return estimates | {"mean": ends.mean(), "standard_deviation": ends.std()}
 

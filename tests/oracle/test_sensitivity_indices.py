@@ -59,6 +59,23 @@ def with_failures(blocks, part, seed=2):
 # --- the estimators
 
 
+def test_indices_of_pairs_of_ishigami_s_function():
+    """Of its three pairs one acts together."""
+    shares = sobol_sample.sample(
+        problem_of("abc"), 4096, calc_second_order=True, seed=1
+    )
+    blocks = Ishigami.evaluate((2.0 * shares - 1.0) * np.pi).reshape(-1, 8)
+    found = sobol_of(with_failures(blocks, 0.02), seed=0, second_order=True)
+    exact = np.zeros((3, 3))
+    exact[0, 2] = exact[2, 0] = _TOGETHER / _VARIANCE
+    np.fill_diagonal(exact, np.nan)
+    # Four standard deviations; the interval is 1.96 of them.
+    away = np.abs(found["second_order"] - exact) / found["second_order_interval"]
+    assert np.nanmax(away) < 2.1
+    assert np.array_equal(np.isnan(found["second_order"]), np.eye(3, dtype=bool))
+    assert np.abs(found["first_order"] - FIRST).max() < 0.05
+
+
 def test_indices_of_ishigami_s_function_with_failures(ishigami_blocks):
     blocks = with_failures(ishigami_blocks, 0.05)
     found = sobol_of(blocks, seed=0)
@@ -264,6 +281,21 @@ def test_a_study_of_a_known_function(ishigami_model, tmp_path):
     ranked = e_n.sortby("total_order")
     np.testing.assert_array_equal(bars, [*ranked.first_order, *ranked.total_order])
     assert "no group" in of_e_t.texts[0].get_text()
+
+
+def test_a_study_has_pairs_where_asked_for(ishigami_model):
+    found = sobol(
+        Scene(), ISHIGAMI_RANGES, ("e_n", "e_t"), blocks=64, second_order=True
+    )
+    pairs = found.second_order
+    assert pairs.dims == ("output", "parameter", "with")
+    assert sum(json.loads(found.attrs["outcomes"]).values()) == 8 * 64
+    one, other = ({"parameter": a, "with": b} for a, b in (PAIR, PAIR[::-1]))
+    assert pairs.sel(output="e_n", **one) == pairs.sel(output="e_n", **other)
+    assert np.all(np.isnan(pairs.sel(output="e_t")))
+
+
+PAIR = "orientation_deg", "delta_2"
 
 
 def test_effects_of_a_known_function(ishigami_model):
