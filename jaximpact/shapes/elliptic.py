@@ -21,11 +21,15 @@ class AbstractElliptic(AbstractShape):
         1.0,
         "-",
         "(0, inf)",
-        "major over minor semi-axis; below 1 oblate",
+        "aspect ratio, major over minor semi-axis; below 1 oblate",
         usual=USUAL_RATIO,
     )
     out_of_plane_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "out-of-plane over minor semi-axis", usual=USUAL_RATIO
+        1.0,
+        "-",
+        "(0, inf)",
+        "out-of-plane ratio, out-of-plane over minor semi-axis",
+        usual=USUAL_RATIO,
     )
 
     def support(self, axes, sin, cos, *, side=None) -> Scalar:
