@@ -6,6 +6,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 from paths import ROOT
+from store_notebooks import drop_progress
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 LONGEST = 240
@@ -60,6 +61,7 @@ def test_runs_from_top_to_bottom(notebook, tmp_path, monkeypatch):
         notebook, timeout=LONGEST, resources={"metadata": {"path": str(tmp_path)}}
     )
     client.execute()
+    drop_progress(notebook)
     assert not [
         output
         for cell in code_cells(notebook)
