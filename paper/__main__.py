@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from jaximpact.cli import Parser, main, options
-from jaximpact.cli.progress import say
+from jaximpact.progress_lines import say
 from jaximpact.errors import IncompleteError, check_choice
 from jaximpact.interruption import ending_on_signals, resumable
 from jaximpact.io.files import make_directory, write_text

@@ -117,9 +117,10 @@ Further keys, before all tables:
                  in files, the first ones (default: 50)
   time_limit_s, event_limit
                  where a block still under way is given up (defaults: 600 and 10000)
-  hop_threshold  height of a flight, as a fraction of the heave of the block's centre as
-                 it rolls, below which it rolls instead (default: 1; 0: each hop is a
-                 flight and an impact, some hundreds for each elongated block)
+  hop_threshold  height of a low flight (hop), as a fraction of the height by which the
+                 block's centre rises and falls as it rolls, below which it rolls
+                 instead (default: 1; 0: each hop is a flight and an impact, some
+                 hundreds for each elongated block)
 
 """
 RESULT = """
