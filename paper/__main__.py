@@ -4,10 +4,10 @@ import argparse
 import sys
 
 from jaximpact.cli import Parser, main, options
-from jaximpact.progress_lines import say
 from jaximpact.errors import IncompleteError, check_choice
 from jaximpact.interruption import ending_on_signals, resumable
 from jaximpact.io.files import make_directory, write_text
+from jaximpact.progress_lines import say
 
 ACCURACY = "reference"
 KEPT = "made if need be; files of the same names are replaced"

@@ -101,7 +101,10 @@ class AbstractFluidityFlow(AbstractFlow):
 
     gamma_v: Scalar = parameter(8.7, "m/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
     dilatancy: Scalar = parameter(
-        0.0, "-", "[0, 1]", "dilatancy: fraction of the uplift of an associated flow rule"
+        0.0,
+        "-",
+        "[0, 1]",
+        "dilatancy: fraction of the uplift of an associated flow rule",
     )
 
     @abc.abstractmethod
