@@ -143,7 +143,7 @@ def _solved(
     sampled = times is not None
     wanted, values = request(structure, leaves, accuracy, ledger, engine, sampled)
     if any(isinstance(value, Tracer) for value in (*values, times)):
-        return _solve(wanted, values, times)
+        return wanted.solution(_rows_of(*_solve(wanted, values, times)))
     # Nothing to differentiate: half the time of a call would go into asking.
     return _on_device(wanted, values_of(wanted, values, times, in_jax=False))
 
@@ -157,8 +157,10 @@ def _on_device(wanted: Request, solution: Solution) -> Solution:
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _solve(wanted: Request, values: list, times) -> Solution:
-    return values_of(wanted, values, times, in_jax=True)
+def _solve(wanted: Request, values: list, times) -> list[Array]:
+    """Return the rows of numbers as one array, and those of samples, if there are any,
+    as another: of each array that JAX differentiates outside of `jit` it asks much."""
+    return _stacked(values_of(wanted, values, times, in_jax=True))
 
 
 @functools.partial(_solve.defjvp, symbolic_zeros=True)
@@ -168,33 +170,45 @@ def _solve_jvp(wanted: Request, primals, tangents):
     if wanted.sampled:
         steps[wanted.place_of_times] = tangents[1]
     steps = {k: s for k, s in steps.items() if not isinstance(s, SymbolicZero)}
+    in_jax = any(isinstance(value, Tracer) for value in (*values, times))
+    if not in_jax:  # a tenth of the time of an operation of JAX
+        values, times = jax.tree.map(np.asarray, (values, times))
     if not steps:
-        solution = values_of(wanted, values, times, in_jax=True)
-        return solution, jax.tree.map(jnp.zeros_like, solution)
-    solution, columns = columns_of(wanted, values, times, list(steps), in_jax=True)
+        rows = _stacked(values_of(wanted, values, times, in_jax))
+        return rows, [jnp.zeros_like(part) for part in rows]
+    solution, columns = columns_of(wanted, values, times, list(steps), in_jax)
+    rows = _stacked(solution)
+    if not in_jax:  # what is transposed later is outside of `own_transfers`
+        columns = jax.device_put(columns)
     if not wanted.sampled:
         of_numbers = [column for (column,) in columns]
-        return solution, wanted.solution(_along(of_numbers, list(steps.values())))
+        return rows, [_along(of_numbers, list(steps.values()))]
     # No number changes with the times, and a sample with its own alone.
     by_time = steps.pop(wanted.place_of_times, None)
     of_numbers, of_samples = zip(*columns, strict=True)
-    changes = _along(list(of_numbers[: len(steps)]), list(steps.values()))
     along_time = [jnp.expand_dims(step, -1) for step in steps.values()]
     along_time += [] if by_time is None else [by_time]
-    if not steps:
-        changes = [jnp.zeros_like(x) for x in jax.tree.leaves(solution.numbers)]
-    of_samples = _along(list(of_samples), along_time)
-    return solution, wanted.solution([*changes, *of_samples])
+    changes = jnp.zeros_like(rows[0])
+    if steps:
+        changes = _along(list(of_numbers[: len(steps)]), list(steps.values()))
+    return rows, [changes, _along(list(of_samples), along_time)]
+
+
+def _stacked(solution: Solution) -> list[Array]:
+    """Return the rows of numbers, and of samples, as an array each."""
+    parts = [jax.tree.leaves(part) for part in solution if part is not None]
+    return [jnp.asarray(namespace_of(*part).stack(part)) for part in parts]
+
+
+# `jit` makes one operation in place of many of what is called outside of it.
+@jax.jit
+def _rows_of(*parts: Array) -> list[Array]:
+    return [row for part in parts for row in part]
 
 
 @jax.jit
-def _along(columns: list, steps: list) -> list:
-    """Change of each result with steps of the leaves; `columns` are, for each step, the
-    derivatives of all results with respect to it."""
-    # `jit` makes it one operation in place of hundreds where it is called outside.
-    if not columns:
-        return []
-    return [
-        sum(column[k] * step for column, step in zip(columns, steps, strict=True))
-        for k in range(len(columns[0]))
-    ]
+def _along(columns: list[Array], steps: list) -> Array:
+    """Compute the change of results with steps of the leaves; `columns` are, for each
+    step, the derivatives of all results with respect to it."""
+    changes = [column * step for column, step in zip(columns, steps, strict=True)]
+    return functools.reduce(jnp.add, changes)

@@ -91,19 +91,22 @@ def check_scene(
         _check_field(name, column, value, warn=warn, of=of)
 
 
-def usual_values(structure: Any, leaves: list) -> np.ndarray | None:
-    """Return the numbers of a single impact, from a scene as a pytree, if all are
-    usual; None where `check_scene` has to look closer. Takes a tenth of its time."""
+def usual_values(structure: Any, leaves: list) -> Any:
+    """Return the numbers of a single impact, from a scene as a pytree, if all that JAX
+    does not trace are usual; None where `check_scene` has to look closer. Takes a tenth
+    of its time."""
     limits = _limits(structure)
-    if limits is None or any(isinstance(leaf, Tracer) for leaf in leaves):
-        return None
-    try:
-        values = np.array(leaves, float)
-    except ValueError:  # of several shapes
+    traced = [isinstance(leaf, Tracer) for leaf in leaves]
+    if limits is None or any(np.ndim(leaf) for leaf in leaves):
         return None
     low, high = limits
-    usual = values.ndim == 1 and np.all((low <= values) & (values <= high))
-    return values if usual else None
+    known = [low[place] if traced[place] else x for place, x in enumerate(leaves)]
+    values = np.array(known, float)
+    if not np.all((low <= values) & (values <= high)):
+        return None
+    if not any(traced):
+        return values
+    return [x if traced[place] else values[place] for place, x in enumerate(leaves)]
 
 
 @functools.lru_cache(maxsize=256)
