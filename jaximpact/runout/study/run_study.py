@@ -414,7 +414,8 @@ def _ground_of(study: SlopeStudy) -> Variables:
         column = columns[max(ends, key=len)]
         part = name.removesuffix(column.name).removesuffix("_")
         where = part.replace("_", " ", 1) or "the ground"
-        meaning = f"of {where}: {column.meaning}"
+        words = variable_attributes(column.meaning)["long_name"]
+        meaning = f"{words} of {where}"
         variables[f"ground_{name}"] = _variable("block", values, column.unit, meaning)
     return variables
 
