@@ -23,9 +23,11 @@ CLOSE = 2e-5
 """Of the largest derivative of a target. Nearly all agree to 1e-6; where next to
 nothing is left of a result, steps that pass a switch of the laws by 1e-9 are seen."""
 SHIPPED = (
-    *("beladjine2007", "gerber2019", "katsuragi2007", "labiouse1996", "lu2019"),
-    *("wyllie", "twins/slow", "twins/slower", "twins/very-dense"),
+    *("ambroso2005", "beladjine2007", "gerber2019", "katsuragi2007", "labiouse1996"),
+    *("lu2019", "wyllie", "twins/slow", "twins/slower", "twins/very-dense"),
 )
+# Not penner2002: at one of its points e_n is 0.01 in all tests, and the derivatives of
+# so little are right to 1e-4 alone.
 
 # What none of the above has: a robust loss, weights, priors, a tie, factors of groups,
 # nuisances of every kind, limits, gaps, force curves and targets that follow from
