@@ -6,9 +6,9 @@ import os
 import sys
 import time
 from collections.abc import Iterator
-from typing import Literal, TextIO
+from typing import TextIO
 
-from .errors import shown
+from .errors import InputError, shown
 from .progress import (
     SILENT,
     Progress,
@@ -18,8 +18,9 @@ from .progress import (
     reporting_to,
 )
 
-ProgressChoice = Progress | ProgressFunction | Literal[False] | None
-"""What a user gives: a function, False for silence, or None for lines on stderr."""
+ProgressChoice = Progress | ProgressFunction | bool | None
+"""What a user gives: a function, False for silence, or None or True for lines on
+stderr."""
 
 
 def say(text: str) -> None:
@@ -97,7 +98,16 @@ class ProgressLines(Progress):
 @contextlib.contextmanager
 def showing(progress: ProgressChoice) -> Iterator[None]:
     """Have what a user gave listen to the work inside; with None whoever listens
-    already does, or else lines on stderr once it has taken two seconds."""
+    already does, or else lines on stderr once it has taken two seconds.
+
+    Raises InputError for what is no function.
+    """
+    if progress is True:
+        progress = None
+    if not (progress is None or progress is False or callable(progress)):
+        raise InputError(
+            f"progress must be a function, True or False, but is {progress!r}"
+        )
     if progress is None and listening() is SILENT:
         with ProgressLines(delay=2.0) as lines, reporting_to(lines):
             yield

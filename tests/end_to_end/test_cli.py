@@ -24,6 +24,7 @@ from jaximpact import (
     simulate_batch,
 )
 from jaximpact.cli import main
+from jaximpact.errors import InputError
 from jaximpact.progress import as_progress, in_words, tell, telling
 from jaximpact.progress_lines import ProgressLines, showing
 from jaximpact.quantities import (
@@ -291,6 +292,8 @@ def test_progress_in_python_waits_and_can_be_off(monkeypatch):
         tell("late")
     with showing(False):
         tell("silent")
+    with pytest.raises(InputError, match="progress"), showing("bar"):
+        pass
     heard = []
     with telling(as_progress(heard.append)), showing(None):
         tell("heard")
