@@ -66,7 +66,7 @@ class Calibration:
         lines = [f"<Calibration: {len(study.tests)} tests of {study.title}"]
         for variant in self.result.variants:
             lines += [f"{variant.variant.name}:"] if len(self.variants) > 1 else []
-            lines.append(parameter_table(variant, short=True).text())
+            lines.append(parameter_table(variant).text())
         return "\n".join(lines) + ">"
 
     @numpy_settings()

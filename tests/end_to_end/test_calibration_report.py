@@ -104,7 +104,7 @@ def test_the_page_says_what_is_not_determined(page):
     assert "alpha_s is not identifiable" in verdict
     assert "alpha_s" not in verdict.split("The tests identify")[1].split("</p>")[0]
     rows = re.findall(r"<tr><td[^>]*>alpha_s</td>(.*?)</tr>", page)
-    parameters, _ = rows  # and the correlation
+    parameters, _, _ = rows  # and the intervals and the correlation
     assert "not identifiable" in parameters
     assert "all values between the bounds" in parameters
     assert "%)" not in parameters

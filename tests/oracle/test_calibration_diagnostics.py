@@ -27,7 +27,7 @@ from jaximpact.calibration.diagnostics.cross_validation import (
     linearised,
 )
 from jaximpact.calibration.diagnostics.further_tests import as_text, choose, merit
-from jaximpact.calibration.diagnostics.identifiability import Verdict
+from jaximpact.calibration.diagnostics.identifiability import Verdict, profile_all
 from jaximpact.calibration.diagnostics.importance_sampling import draw
 from jaximpact.calibration.diagnostics.nuts import compare_errors
 from jaximpact.calibration.diagnostics.posterior import Chains, Draws
@@ -47,15 +47,16 @@ HALF_WIDTH = 0.5 * np.log(1e6)
 """Of the range of each unknown, in x."""
 
 
-def linear(matrix, measured, campaigns=None):
+def linear(matrix, measured, campaigns=None, sigma=None):
     """The objective of a linear model, its fit (points of one lane) and uncertainty."""
     tests = {"speed_mps": np.arange(len(measured)) + 1.0, "e_n": measured}
     if campaigns is not None:
         tests["campaign"] = campaigns
     names = ("c_v", "gamma_v", "k_E")[: matrix.shape[1]]
+    sigma = {"e_n": SIGMA} if sigma is None else sigma
     bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
     study = study_of_columns(
-        tests, parameters=dict.fromkeys(names, bounds), default_sigma={"e_n": SIGMA}
+        tests, parameters=dict.fromkeys(names, bounds), default_sigma=sigma
     )
     objective = Linear(study, matrix=matrix)
     points = fit(objective, np.zeros((1, matrix.shape[1]))).points
@@ -308,6 +309,25 @@ def test_a_bias_is_found_by_signs_and_by_the_mean():
     assert said <= 8  # at most 3 expected; more than 8 in one of 100
     objective, points, _ = linear(z[:, None], np.full(15, 1e-3 * SIGMA))
     assert not residuals_of(objective, points, 1.0).biased
+
+
+def test_a_profile_and_a_standard_error_of_a_line_agree():
+    """Both are exact: the cost is a parabola. Without sigmas the standard error allows
+    for scatter that grows along the line, and the profile is scaled by it."""
+    random = np.random.default_rng(6)
+    z = np.linspace(0.0, 2.0, 40)
+    matrix = np.stack([np.ones(40), z], axis=1)
+    measured = z + SIGMA * z**2 * random.normal(size=40)
+    objective, points, _ = linear(matrix, measured, sigma={})
+    uncertainty = estimate(objective, points)
+    assert np.max(np.abs(np.log(uncertainty.profile_scale))) > 0.2
+    profiles = profile_all(objective, points, uncertainty)
+    errors = uncertainty.quantile * uncertainty.standard_errors
+    for place, profile in enumerate(profiles):
+        ends = np.log([profile.low_95, profile.high_95])
+        expected = points.x[0, place] + errors[place] * np.array([-1.0, 1.0])
+        # Costs of profiles are those of fits to a tenth of a standard error.
+        np.testing.assert_allclose(ends, expected, atol=0.01 * errors[place])
 
 
 # --- Design, of linear models whose best designs are known. ---

@@ -4,9 +4,12 @@ The profile likelihood of a parameter is the lowest cost with the parameter fixe
 all others fitted again. An interval of it holds the values at which the likelihood
 ratio to the best fit is small enough,
 
-$$ 2 \, (C(x) - C(\hat x)) / s^2 \le q^2, $$
+$$ 2 \, (C(x) - C(\hat x)) / (s^2 v) \le q^2, $$
 
-with q = 1 for 68 % and about 2 for 95 %. A parameter is identifiable where the interval
+with q = 1 for 68 % and about 2 for 95 %, and v the variance of the parameter over that
+of the curvature alone: where the scatter differs from test to test (`uncertainty`), the
+likelihood, which does not know it, is scaled as its curvature is (Pace, Salvan and
+Sartori 2011, Statistica Sinica 21, 129). A parameter is identifiable where the interval
 has both ends within its bounds, and where standard error, starts, prior and bounds
 agree with it.
 """
@@ -44,8 +47,8 @@ class LikelihoodProfile(NamedTuple):
     values: np.ndarray
     """Values at which it was fixed, and that of the best fit [unit of the column]."""
     rise: np.ndarray
-    """Likelihood-ratio statistic: twice the rise of the cost from its minimum, over the
-    inflation; 1 is one standard deviation."""
+    """Likelihood-ratio statistic: twice the rise of the cost from its minimum, over
+    inflation and `profile_scale`; 1 is one standard deviation."""
     low: float | None
     high: float | None
     """Ends of the 68 % interval, interpolated; None where it reaches the bound."""
@@ -232,7 +235,8 @@ def _rise(
     # At a bound the best fit is one of the points.
     along, first = np.unique(fits.x[rows, index], return_index=True)
     costs = fits.cost[rows][first]
-    return along, 2.0 * (costs - np.min(costs)) / uncertainty.inflation
+    scale = uncertainty.inflation * uncertainty.profile_scale[index]
+    return along, 2.0 * (costs - np.min(costs)) / scale
 
 
 def _within(x: np.ndarray, rise: np.ndarray, limit: float):

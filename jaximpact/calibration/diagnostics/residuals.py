@@ -127,9 +127,15 @@ def rms(values: np.ndarray) -> float | None:
 
 
 def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
-    """Find the columns of the scene that differ among the tests."""
+    """Find the columns of the scene that differ among the tests by more than
+    rounding."""
     inputs = objective.study.tests.inputs.items()
-    return {name: v for name, v in inputs if np.nanmax(v) > np.nanmin(v)}
+    ranges = {name: (np.nanmin(v), np.nanmax(v), v) for name, v in inputs}
+    return {
+        name: v
+        for name, (low, high, v) in ranges.items()
+        if high - low > 1e-9 * max(abs(low), abs(high))
+    }
 
 
 def _biases(objective: Objective, points: Points) -> list[Bias]:

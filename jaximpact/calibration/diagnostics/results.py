@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..estimation.branches import NEAR
 from ..estimation.least_squares import Reason
 from ..problem.bounds import Bounds
 from ..problem.config import Study, Variant
@@ -75,8 +76,19 @@ class VariantResult(NamedTuple):
         return float(self.uncertainty.standard_errors[index] * slope)
 
     def interval(self, index: int) -> tuple[float, float]:
-        """Compute the 95 % confidence interval in the unit of the unknown: symmetric in
-        x, and cut at the bounds."""
+        """Return the 95 % confidence interval of an identifiable parameter, in its
+        unit: that of its profile, or of the standard error beside a jump, where the
+        profile leaves measurements out."""
+        profile = self.profiles[self.names[index]]
+        low, high = profile.low_95, profile.high_95
+        beside_jump = self.errors_of_draws and np.any(self.jumps > NEAR)
+        if beside_jump or low is None or high is None:
+            return self.interval_of_error(index)
+        return low, high
+
+    def interval_of_error(self, index: int) -> tuple[float, float]:
+        """Compute the 95 % confidence interval that follows from the standard error, in
+        the unit of the unknown: symmetric in x, and cut at the bounds."""
         bounds, uncertainty = self.bounds, self.uncertainty
         x = bounds.coordinate(self.parameters)
         reach = uncertainty.quantile * uncertainty.standard_errors

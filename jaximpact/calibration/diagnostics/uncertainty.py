@@ -58,6 +58,9 @@ class Uncertainty(NamedTuple):
     quantile: float
     """Half width of the 95 % confidence interval in standard errors: of Student's
     distribution where the scatter was estimated."""
+    profile_scale: np.ndarray
+    """Variance of each unknown over that of the curvature alone, shape (unknowns,): 1
+    where both matrices above are the same."""
     covariance: np.ndarray
     """Covariance in x, shape (unknowns, unknowns)."""
     standard_errors: np.ndarray
@@ -83,7 +86,11 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     all_given = np.all(study.sigma_given)
     poor = all_given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE
     inflation = reduced if poor else 1.0
-    covariance = _sandwich(curvature, variance) * inflation
+    covariance = _sandwich(curvature, variance)
+    alone = np.diag(pseudo_inverse(curvature))
+    known = (np.diag(covariance) < 1e12) & (alone > 0.0)
+    scale = np.where(known, np.diag(covariance) / np.where(known, alone, 1.0), 1.0)
+    covariance = covariance * inflation
     scattered = not all_given or inflation > 1.0
     half = 0.5 + CONFIDENCE / 2.0
     quantile = stdtrit(max(freedom, 1.0), half) if scattered else ndtri(half)
@@ -93,6 +100,7 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
         reduced_chi_square=reduced,
         degrees_of_freedom=freedom,
         quantile=float(quantile),
+        profile_scale=scale,
         **_of_covariance(covariance, fisher),
     )
 

@@ -34,7 +34,7 @@ def summary(result: StudyResult, examined: list[Examination]) -> Document:
     for variant, diagnostics in zip(result.variants, examined, strict=True):
         several = len(result.variants) > 1
         inner: list[Part] = [
-            ReportSection("Parameters", [parameter_table(variant, short=True)]),
+            ReportSection("Parameters", [parameter_table(variant)]),
             nuisances(variant),
             ReportSection("Correlations", [correlated_pairs(variant)]),
             ReportSection(

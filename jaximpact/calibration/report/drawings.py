@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
 
 from ...plotting.style import (
     BLUE,
@@ -40,6 +42,8 @@ MEASURED = {
 """Marker and words of measurements and limits, by their side."""
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: two stand side by side on a page."""
+MOST_NAMED = 16
+"""Largest number of tests that are named at an axis."""
 
 
 def most_correlated(variant: VariantResult) -> list[tuple[int, int]]:
@@ -128,7 +132,8 @@ def _fitted(
             else:
                 axes.fill_between(*ends, linewidth=0, **style)
     for number, variant in enumerate(variants):
-        name = plain(variant.variant.name) if bands is None else "best fit"
+        several = bands is None and len(result.variants) > 1
+        name = plain(variant.variant.name) if several else "best fit"
         style: dict[str, Any] = dict(markersize=4, label=name, **points(number))
         fitted = variant.predicted[:, target]
         if along is not None:
@@ -142,8 +147,10 @@ def _fitted(
     if along is None:
         low, high = axes.get_xlim()
         axes.axline((low, low), (high, high), color=GREY, linewidth=1)
-        axes.set_xlabel(f"measured {label_of(study.targets[target])}")
+        axes.set_xlabel(f"measured\n{label_of(study.targets[target])}")
         axes.set_ylabel("fitted")
+        _short_numbers(axes.xaxis, high)
+        _short_numbers(axes.yaxis, high)
         return
     black: dict[str, Any] = dict(color="black", ls="none")
     axes.errorbar(
@@ -157,6 +164,12 @@ def _fitted(
             )
     axes.set_xlabel(label_of(along, study.tests.known_columns))
     axes.set_ylabel(label_of(study.targets[target]))
+
+
+def _short_numbers(axis: Axis, largest: float) -> None:
+    """Write large numbers as 200 k, which leave room between them."""
+    if largest >= 1e4:
+        axis.set_major_formatter(EngFormatter())
 
 
 @in_style
@@ -217,8 +230,8 @@ def draw_quantiles(residuals: Residuals) -> Figure:
 def draw_profile(
     variant: VariantResult, profile: LikelihoodProfile, on: On = None
 ) -> Figure:
-    """Draw the likelihood ratio where a parameter is fixed and, if it is identifiable,
-    the parabola of its standard error."""
+    """Draw the likelihood ratio where a parameter is fixed, the 95 % interval and, if
+    it is identifiable, the parabola of its standard error."""
     # Which only reports need: it takes its time to import.
     from scipy.interpolate import PchipInterpolator
 
@@ -228,13 +241,19 @@ def draw_profile(
     bounds = Bounds(*(part[index] for part in variant.bounds))
     # Three standard deviations, or beyond the 95 % interval.
     most = max(9.0, 1.5 * uncertainty.quantile**2)
-    low, high = _shown(profile, most)
-    # The signed root is nearly straight, so that its interpolation is smooth.
     along = bounds.coordinate(profile.values)
+    low, high = bounds.parameter(_shown(along, profile.rise, most))
+    ends = profile.low_95, profile.high_95
+    if variant.verdicts[index].determined:
+        ends = variant.interval(index)
+        low, high = min(low, ends[0]), max(high, ends[1])
+    left, right = (low if ends[0] is None else ends[0]), ends[1]
+    axes.axvspan(left, high if right is None else right, color=GREY, alpha=0.15, lw=0)
+    # The signed root is nearly straight, so that its interpolation is smooth.
     side = np.sign(np.arange(len(along)) - np.argmin(profile.rise))
     root = PchipInterpolator(along, side * np.sqrt(np.maximum(profile.rise, 0.0)))
-    ends = bounds.coordinate([low, high])
-    fine = np.linspace(ends[0], ends[1], 300)
+    fine = np.linspace(max(bounds.coordinate(low), along[0]), along[-1], 300)
+    fine = fine[fine <= bounds.coordinate(high)]
     axes.plot(bounds.parameter(fine), root(fine) ** 2, color=BLUE)
     style: dict[str, Any] = dict(color=BLUE, marker="o", markersize=4, linestyle="none")
     axes.plot(profile.values, profile.rise, label="others fitted again", **style)
@@ -257,16 +276,14 @@ def draw_profile(
     return figure
 
 
-def _shown(profile: LikelihoodProfile, most: float) -> tuple[float, float]:
-    """Choose the interval that is drawn: to where the likelihood ratio leaves the
-    panel."""
-    inside = np.flatnonzero(profile.rise <= most)
-    first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, len(profile.values) - 1)
+def _shown(along: np.ndarray, rise: np.ndarray, most: float) -> np.ndarray:
+    """Choose the ends of what is drawn: where the likelihood ratio leaves the panel."""
+    inside = np.flatnonzero(rise <= most)
+    first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, len(along) - 1)
     # A point far away, with none between, would draw a needle.
-    low, high = profile.values[inside[0]], profile.values[inside[-1]]
-    reach = max(high - low, 1e-9 * abs(high))
-    low = max(profile.values[first], low - 0.3 * reach)
-    return float(low), float(min(profile.values[last], high + 0.3 * reach))
+    low, high = along[inside[0]], along[inside[-1]]
+    reach = max(0.3 * (high - low), 1e-9)
+    return np.array([max(along[first], low - reach), min(along[last], high + reach)])
 
 
 def _scale(axes: Axes, which: str, low: float, high: float, logarithmic: bool) -> None:
@@ -311,14 +328,17 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
     study = result.study
     values = left.standardised(study.measured)
     values = np.where(study.censored == 0, values, np.nan)
-    number = np.arange(1, len(values) + 1)
+    names = [plain(study.tests.name(test)) for test in range(len(values))]
+    rows = np.array([study.tests.place(test)[1] for test in range(len(values))])
+    by_row = names == [f"row {row}" for row in rows]
+    number = rows if by_row else np.arange(len(values))
     along = np.broadcast_to(number[:, None], values.shape)
     figure, axes = _about_zero(study, along, values, left.quantile)
-    if len(number) <= 12:
-        names = [plain(study.tests.name(test)) for test in range(len(number))]
-        axes.set_xticks(number, names, rotation=45, ha="right")
+    if by_row:
+        axes.set_xlabel(f"row of {plain(study.tests.files[0].path.name)}")
     else:
-        axes.set_xlabel("test, in the order of the tables")
+        step = -(-len(names) // MOST_NAMED)
+        axes.set_xticks(number[::step], names[::step], rotation=45, ha="right")
     axes.set_ylabel("measured less predicted\n[standard deviations]")
     return figure
 

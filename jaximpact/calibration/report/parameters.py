@@ -104,9 +104,8 @@ def _missed(
     return sentences, of_little if little else []
 
 
-def parameter_table(variant: VariantResult, short: bool = False) -> Table:
-    """Write the parameters with standard errors and intervals; `short` without the 68 %
-    profile-likelihood intervals."""
+def parameter_table(variant: VariantResult) -> Table:
+    """Write the parameters with standard errors and intervals."""
     columns, rows = columns_of(variant.objective.scene), []
     reached = variant.bounds.bound_reached(
         variant.bounds.coordinate(variant.parameters)
@@ -124,11 +123,26 @@ def parameter_table(variant: VariantResult, short: bool = False) -> Table:
         hit = f" (at the {reached[index]})" if reached[index] else ""
         bounds = f"{variant.bounds.lower[index]:g} to {variant.bounds.upper[index]:g}"
         first = of_one.name, columns[of_one.name].unit, variant.parameters[index]
-        profiles = (interval_text(profile.low, profile.high), ends_95)
-        rows.append((*first, error, within, *profiles[short * 2 :], bounds + hit))
-    profiles = ("profile, 68 %", "profile, 95 %")[short * 2 :]
-    head = ("parameter", "unit", "value", "standard error", "95 %")
-    return Table((*head, *profiles, "bounds"), rows)
+        rows.append((*first, error, within, bounds + hit))
+    head = ("parameter", "unit", "value", "standard error", "95 %", "bounds")
+    return Table(head, rows)
+
+
+def interval_table(variant: VariantResult) -> Table:
+    """Write the intervals of the profiles beside those of the standard errors."""
+    rows = []
+    for index, of_one in enumerate(variant.verdicts):
+        profile = variant.profiles[of_one.name]
+        of_error = "not identifiable"
+        if of_one.determined:
+            of_error = "{:.4g} to {:.4g}".format(*variant.interval_of_error(index))
+        of_profile = (
+            interval_text(profile.low, profile.high),
+            interval_text(profile.low_95, profile.high_95),
+        )
+        rows.append((of_one.name, *of_profile, of_error))
+    head = ("parameter", "profile, 68 %", "profile, 95 %", "standard error, 95 %")
+    return Table(head, rows)
 
 
 def nuisance_table(variant: VariantResult) -> Table:

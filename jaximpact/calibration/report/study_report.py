@@ -18,10 +18,13 @@ from . import contents, drawings, parameters
 from .comparison import comparison_parts, comparison_pictures, worse_than_others
 
 PROFILES = (
-    "Standard errors follow from the curvature of the objective function at the best "
-    "fit (Laplace). The profile likelihood fixes a parameter and fits the others "
-    "again: where it disagrees with the standard error, rely on the profile."
+    "The profile likelihood fixes a parameter and fits the others again; the 95 % "
+    "interval of an identifiable parameter is that of its profile. Standard errors "
+    "follow from the curvature of the objective function at the best fit (Laplace), "
+    "which is the profile's parabola there."
 )
+ALIKE = 0.01
+"""Relative range of gains below which their picture shows nothing."""
 CRITERIA = {
     "D": "the mean error over all combinations (D-optimal)",
     "A": "the sum of the parameters' variances (A-optimal)",
@@ -151,7 +154,7 @@ def _parameters(
             partial(drawings.draw_profile, variant, profile),
             f"Profile likelihood of {name}",
             f"Profile likelihood of {name}: twice the rise of the cost with {name} "
-            "fixed and the others fitted again.",
+            "fixed and the others fitted again. Grey: 95 % interval.",
         )
         for name, profile in variant.profiles.items()
     ]
@@ -169,6 +172,7 @@ def _parameters(
         parameters.parameter_table(variant),
         PROFILES,
         profiles,
+        parameters.interval_table(variant),
         ReportSection(combinations, [variant.directions]),
         ReportSection(
             "Correlation",
@@ -234,9 +238,12 @@ def _further(diagnostics: Examination) -> list[Part]:
     if single.fixed:
         fixed = ", ".join(f"{name} {value:.4g}" for name, value in single.fixed.items())
         parts.append(f"In common: {fixed}.")
-    gain = Picture(
-        partial(drawings.draw_candidates, together),
-        "Gain of the next test",
-        "Gain of the next test, with all results measured.",
-    )
-    return [*parts, gain]
+    best = np.max(together.volumes, axis=1)
+    if np.ptp(best) > ALIKE * np.max(best):
+        picture = Picture(
+            partial(drawings.draw_candidates, together),
+            "Gain of the next test",
+            "Gain of the next test, with all results measured.",
+        )
+        return [*parts, picture]
+    return [*parts, "All candidates gain the same."]
