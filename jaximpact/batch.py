@@ -20,6 +20,7 @@ from ._settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.rows import compute_rows, in_parts, prepare
 from .identity import part_names
+from .impact.dynamics import LedgerItems
 from .impact.results import ImpactSummary, empty_summary
 from .io.checks import check_scene
 from .io.journal import Journal
@@ -168,7 +169,7 @@ def _at(scene: Scene, places: np.ndarray) -> Scene:
 
 @numpy_settings()
 def compute_part(
-    scene: Scene, count: int, accuracy: Accuracy, ledger: bool = False
+    scene: Scene, count: int, accuracy: Accuracy, ledger: LedgerItems = False
 ) -> np.ndarray:
     """Compute scenes that were checked, whose fields broadcast to `(count,)`.
 
@@ -188,9 +189,9 @@ def compute_part(
     return shape_by_shape(lanes_of, every).T
 
 
-def summary_of(rows: np.ndarray) -> ImpactSummary:
-    """Name the rows that `compute_part` gives, without a ledger."""
-    return jax.tree.unflatten(jax.tree.structure(empty_summary(False)), list(rows))
+def summary_of(rows: np.ndarray, ledger: LedgerItems = False) -> ImpactSummary:
+    """Name the rows that `compute_part` gives."""
+    return jax.tree.unflatten(jax.tree.structure(empty_summary(ledger)), list(rows))
 
 
 class Collector:

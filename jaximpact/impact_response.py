@@ -9,6 +9,7 @@ from jaxtyping import Array
 from .accuracy import Accuracy
 from .backend.rows import in_parts
 from .batch import Collector, compute_part, summary_of
+from .impact.dynamics import ARM
 from .io.journal import Journal
 from .scene import Scene
 
@@ -41,7 +42,7 @@ FIELDS = (
     *("duration", "rotation", "final_sinking", "outcome_code"),
 )
 """Fields of an impact's summary, in the order of `ImpactResponse`, and its outcome."""
-COLUMNS = (*ImpactResponse._fields, "outcome")
+COLUMNS = (*ImpactResponse._fields, "outcome", "arm_work")
 """Names of the numbers of an impact that `respond` keeps."""
 
 
@@ -52,6 +53,9 @@ class ImpactResponses(NamedTuple):
     """Arrays `(lanes,)`; NaN where an impact failed."""
     outcome: np.ndarray
     """Codes of `Outcome`, `(lanes,)`."""
+    arm_work: np.ndarray | float = 0.0
+    """Work of the normal force through its lever arm [J], `(lanes,)`, as in
+    `EnergyLedger`; 0 where a contact model knows of none."""
 
 
 def respond(
@@ -64,8 +68,10 @@ def respond(
     collector = Collector(len(COLUMNS), lanes, journal)
     for part in in_parts(np.flatnonzero(collector.missing)):
         scenes = jax.tree.map(lambda leaf, part=part: leaf[part], scene)
-        summary = summary_of(compute_part(scenes, len(part), accuracy))
+        summary = summary_of(compute_part(scenes, len(part), accuracy, ARM), ARM)
         columns = [getattr(summary, name) for name in FIELDS]
+        assert summary.energy is not None, "kept for its arm work"
+        columns.append(summary.energy.arm)
         collector.take(part, np.stack(columns, axis=-1))
-    *response, outcome = collector.numbers
-    return ImpactResponses(ImpactResponse(*response), outcome.astype(int))
+    *response, outcome, arm_work = collector.numbers
+    return ImpactResponses(ImpactResponse(*response), outcome.astype(int), arm_work)

@@ -24,6 +24,7 @@ from .._precision import float64_leaf
 from .._types import Structure
 from ..accuracy import Accuracy
 from ..identity import clear_when_edited, heed_edits, tracing
+from ..impact.dynamics import LedgerItems
 from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, exact_models
 from ..impact.results import Solution, empty_history, empty_summary
@@ -47,7 +48,7 @@ class Request(NamedTuple):
 
     structure: Structure
     """Laws and shapes of the scene: its tree structure."""
-    ledger: bool
+    ledger: LedgerItems
     places: tuple[int, ...]
     """Indices of the leaves that are not known yet, or are arrays."""
     rest: np.ndarray
@@ -78,8 +79,8 @@ class Request(NamedTuple):
 
 
 @functools.cache
-def _structure(ledger: bool, sampled: bool):
-    samples = empty_history(ledger) if sampled else None
+def _structure(ledger: LedgerItems, sampled: bool):
+    samples = empty_history(bool(ledger)) if sampled else None
     return jax.tree.structure(Solution(empty_summary(ledger), samples))
 
 
@@ -87,7 +88,7 @@ def request(
     structure,
     leaves,
     accuracy: Accuracy,
-    ledger: bool,
+    ledger: LedgerItems,
     engine: Engine = NATIVE,
     sampled: bool = False,
 ) -> tuple[Request, list]:
@@ -114,14 +115,14 @@ def compute_rows(
     leaves: Sequence,
     accuracy: Accuracy,
     *,
-    ledger: bool = False,
+    ledger: LedgerItems = False,
     varied: Sequence[int] = (),
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute impacts, on every core.
 
     Args:
         structure, leaves: of a scene: numbers, or arrays that broadcast to one shape.
-        ledger: also keep the energy ledger.
+        ledger: also keep the energy ledger, or the arm work of it.
         varied: indices of the leaves by which the results are differentiated.
 
     Returns:
@@ -150,7 +151,7 @@ def prepare(
     leaves: Sequence,
     accuracy: Accuracy,
     *,
-    ledger: bool = False,
+    ledger: LedgerItems = False,
     varied: Sequence[int] = (),
 ) -> str:
     """Compile what `compute_rows` needs, and return the name of what computes."""
@@ -389,7 +390,11 @@ clear_when_edited(_kernel_sets.clear)
 
 
 def _kernels(
-    structure, ledger: bool, sampled: bool, possible: tuple[int, ...], varied: bool
+    structure,
+    ledger: LedgerItems,
+    sampled: bool,
+    possible: tuple[int, ...],
+    varied: bool,
 ) -> KernelSet | None:
     key = structure, ledger, sampled, possible, varied
     if key not in _kernel_sets:

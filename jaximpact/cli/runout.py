@@ -87,6 +87,10 @@ What [ground] does not give has its default below; rolling_friction_angle_deg is
 an assumption, and roughness_deg 0.
 [ground] may name laws of the soil, flow = "my_laws.py:MyFlow", and [block] a shape;
 their parameters are then quantities like the others. The whole slope has the same laws.
+kinematics is "WorkConjugate" if nothing is said, by which contacts give no block energy
+that the ground cannot give; beside tables it is the paper's, "DeepestPoint". Elongated
+blocks are run a second time by the other one, if contacts are by the full model, and
+the report says which design values differ by more than their intervals.
 [ground] may name a calibration, from = "out/wyllie", the directory that `jaximpact
 calibrate` wrote, with variant = "..." where the study has several. Each block then gets
 parameters of its own, sampled from the posterior with their correlations, and what the
@@ -172,6 +176,11 @@ def add_parser(commands) -> None:
     )
     options.add_directory(parser, "report, tables and drawings")
     options.add_accuracy(parser, otherwise="the study's, else balanced")
+    parser.add_argument(
+        "--no-second-run",
+        action="store_true",
+        help="do not run elongated blocks again with the other kinematics of the soil",
+    )
     options.add_engine(parser)
 
 
@@ -207,6 +216,7 @@ def run(arguments: argparse.Namespace) -> None:
                     journal=journals[-1],
                     progress=partial(progress, "blocks"),
                     executor=executor,
+                    second_run=not arguments.no_second_run,
                 )
             datasets[study.law.name] = dataset
         with together(new) as add:

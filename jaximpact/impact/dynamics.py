@@ -21,7 +21,7 @@ displacement is in rate form, because the block may turn a lot; the paper prints
 $u_t - r_n\theta$.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -82,6 +82,12 @@ class Work(NamedTuple):
     dashpot: Scalar
     arm: Scalar
     stiffness: Scalar
+
+
+ARM = "arm"
+LedgerItems = bool | Literal["arm"]
+"""Items of the ledger that an impact keeps: all, none, or the arm work alone, which
+costs next to nothing."""
 
 
 class ImpactConstants(NamedTuple):
@@ -396,7 +402,7 @@ def work_rate(
     relax in much less than a step, and multiply the error of a state between two steps
     by its width over their relaxation time.
     """
-    base, forces = now.foundation, now.forces
+    forces = now.forces
     inelastic = [
         velocity - rate
         for velocity, rate in zip(now.approach, elastic_rates, strict=True)
@@ -437,14 +443,20 @@ def work_rate(
                 forces, now.elastic_forces, elastic_rates, strict=True
             )
         ),
-        arm=forces.normal
-        * motion.angular_velocity
-        * (ground.soil.kinematics.sinking_arm(base) - base.tangential_arm),
+        arm=arm_power(ground, motion, now),
         stiffness=_sum(
             0.5 * displacement**2 * rate
             for displacement, rate in zip(elastic, stiffness_rates, strict=True)
         ),
     )
+
+
+def arm_power(ground: ImpactConstants, motion: Motion, now: Contact) -> Scalar:
+    """Power of the arm work [W]: normal force times the velocity of the point at which
+    sinking is taken against that of the foundation's centre, where the force acts."""
+    base = now.foundation
+    arm = ground.soil.kinematics.sinking_arm(base) - base.tangential_arm
+    return now.forces.normal * motion.angular_velocity * arm
 
 
 def _sum(items) -> Any:

@@ -18,11 +18,14 @@ from ..laws import Branch, Stiffness
 from ..scene import Scene
 from ..shapes import Foundation
 from .dynamics import (
+    ARM,
     Contact,
     Forces,
     ImpactConstants,
+    LedgerItems,
     Motion,
     Work,
+    arm_power,
     contact,
     force_rate,
     initial_motion,
@@ -43,7 +46,7 @@ class Assembly(NamedTuple):
     structure: Structure
     """Laws and shapes of the scene: its tree structure."""
     model: Model
-    ledger: bool
+    ledger: LedgerItems
 
 
 def assemble(scene: Scene) -> Assembly:
@@ -80,6 +83,8 @@ class Watched(NamedTuple):
     observed: Observed
     margins: Margins
     switches: Switches
+    arm_power: Scalar | None = None
+    """Power of the arm work [W], where it is kept alone."""
 
 
 class Problem(eqx.Module):
@@ -96,7 +101,7 @@ class Problem(eqx.Module):
     floor: Scalar
     """Floor of the error control; see `Accuracy`."""
     model: Model = eqx.field(static=True)
-    ledger: bool = eqx.field(static=True)
+    ledger: LedgerItems = eqx.field(static=True)
 
     @property
     def max_steps(self) -> int:
@@ -214,6 +219,7 @@ class Problem(eqx.Module):
                 observed,
                 self._margins(motion, now, force_scale),
                 switches(self.ground, motion, now, force_scale),
+                arm_power(self.ground, motion, now) if self.ledger == ARM else None,
             )
 
         return self._with_contact(of_contact, rows, branch)

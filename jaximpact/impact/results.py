@@ -19,7 +19,7 @@ from ..laws import Branch
 from ..parameters import with_unit
 from ..quantities import ENERGY_COLUMNS
 from ..units import variable_attributes
-from .dynamics import Work, elastic_energy, kinetic_energy
+from .dynamics import ARM, LedgerItems, Work, elastic_energy, kinetic_energy
 from .events import Outcome
 from .problem import Problem
 from .reduced_models import FORCES
@@ -360,9 +360,17 @@ class Solution(NamedTuple):
     """Histories, where they were asked for."""
 
 
-def empty_summary(ledger: bool) -> ImpactSummary:
+def empty_summary(ledger: LedgerItems) -> ImpactSummary:
     """Make a zero-filled summary, used as a template of its structure."""
     zeros: Any = dict.fromkeys((f.name for f in dataclasses.fields(ImpactSummary)), 0.0)
     items: Any = dict.fromkeys(EnergyLedger._fields, 0.0)
     zeros["energy"] = EnergyLedger(**items) if ledger else None
+    if ledger == ARM:
+        zeros["energy"] = arm_alone(0.0)
     return ImpactSummary(**zeros)
+
+
+def arm_alone(arm) -> EnergyLedger:
+    """Make a ledger of the arm work alone; its other items are None."""
+    items: Any = dict.fromkeys(EnergyLedger._fields)
+    return EnergyLedger(**items)._replace(arm=arm)

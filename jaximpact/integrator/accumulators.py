@@ -3,7 +3,7 @@
 It costs the step size control nothing, and no history need be kept.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from .._safe import safe_sqrt
 from .._types import Scalar
-from ..impact.dynamics import Work
+from ..impact.dynamics import ARM, Work
 from ..impact.events import SWITCHED_OFF, Margins, at_start, branch_of
 from ..impact.problem import Observed, Problem, Watched
 from ..laws import Branch
@@ -82,6 +82,7 @@ def start_fold(problem: Problem, vector) -> Fold:
             nothing,
             Margins(*[zero + INITIAL_MARGIN] * len(Margins._fields)),
             at_start(problem.ground, watched.switches),
+            watched.arm_power,
         ),
         watched_rate=still,
         rates=jnp.zeros_like(vector),
@@ -118,8 +119,11 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
             jnp.where(higher, time + place * width, getattr(fold.peak_times, name))
         )
     work = fold.work
-    if problem.ledger:
+    if problem.ledger is True:
         work = add_work(problem, work, step, 1.0, branch)
+    elif problem.ledger == ARM:
+        arm = _integral_of_arm_power(fold, watched, watched_rate, width)
+        work = work._replace(arm=work.arm + arm)
     sides = _stacked(branch), _stacked(branch_of(watched.switches))
     is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
     turned = jnp.any((sides[0] != sides[1]) & is_on, axis=0)
@@ -151,6 +155,17 @@ def add_work(
         work,
         powers,
     )
+
+
+def _integral_of_arm_power(
+    fold: Fold, watched: Watched, watched_rate: Watched, width: Scalar
+) -> Scalar:
+    """Integrate the cubic through the powers and their rates at the ends of a step."""
+    ends = (fold.watched, fold.watched_rate, watched, watched_rate)
+    powers: Any = [of.arm_power for of in ends]
+    start, start_rate, end, end_rate = powers
+    start_rate = fold.rate_at_start(start, start_rate, end, end_rate, width)
+    return width * (0.5 * (start + end) + width / 12.0 * (start_rate - end_rate))
 
 
 def _stacked(values):

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from .._safe import safe_sqrt
 from .._types import Scalar
 from ..impact.dynamics import (
+    ARM,
     Contact,
     Motion,
     elastic_energy,
@@ -16,7 +17,7 @@ from ..impact.dynamics import (
 )
 from ..impact.events import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from ..impact.problem import Problem, stiffness_of_block
-from ..impact.results import UNDEFINED, EnergyLedger, ImpactSummary
+from ..impact.results import UNDEFINED, EnergyLedger, ImpactSummary, arm_alone
 from ..restitution import defined_ratio, vijayakumar_coefficient
 from ..scene import GRAVITY, Scene
 from .batched import Lanes, end_lanes
@@ -56,7 +57,7 @@ def _closes(problem: Problem, energy: EnergyLedger | None) -> Scalar:
     3 % at "balanced", 0.5 % at "reference". Usual impacts close to a hundredth of that.
     Steps that leave more have missed something: their results are discarded.
     """
-    if energy is None:
+    if energy is None or problem.ledger == ARM:
         return jnp.ones((), bool)
     largest = jnp.max(jnp.abs(jnp.stack(energy)), axis=0)
     promised = 0.5 * jnp.sqrt(jnp.sqrt(problem.tolerance))
@@ -152,7 +153,9 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
     )
     e_contact = jnp.where(closing == 0.0, -1.0, e_contact)
     energy = None
-    if problem.ledger:
+    if problem.ledger == ARM:
+        energy = arm_alone(jnp.where(separating, 0.0, end.fold.work.arm))
+    elif problem.ledger:
         work = end.fold.work._asdict() | {
             "elastic": elastic_energy(final, now.stiffness)
         }

@@ -21,7 +21,14 @@ from .study.slope_file import (
     read_slope_study,
 )
 from .terrain import Ground, Profile
-from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
+from .trajectory import (
+    ContactRecord,
+    Ending,
+    ImpactEnergies,
+    MotionMode,
+    Pieces,
+    Runs,
+)
 
 __all__ = [
     "Barrier",
@@ -31,6 +38,7 @@ __all__ = [
     "Ending",
     "FullModel",
     "Ground",
+    "ImpactEnergies",
     "ImpactResponse",
     "ImpactResponses",
     "Lognormal",

@@ -362,6 +362,13 @@ class Ground:
             profile.soil, profile.rolling_friction_angle, profile.roughness, seed
         )
 
+    def with_soil(self, soil: Soil) -> "Ground":
+        """Put another soil in place."""
+        return Ground(
+            *(soil, self.rolling_friction_angle, self.roughness),
+            *(self.seed, self.numbers),
+        )
+
     def of_blocks(self, chosen: np.ndarray) -> "Ground":
         """Select the ground of some blocks, which keep their numbers."""
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..impact.events import Outcome
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY
 from ..units import variable_attributes
@@ -113,6 +114,47 @@ class ContactRecord(NamedTuple):
     hop: Values
     """True where the block would have left the ground by less than it heaves as it
     rolls, and went on along the ground instead; see `contacts.impact`."""
+    arm_work: Values
+    """Work of the normal force through its lever arm [J], see `EnergyLedger`; only the
+    full model knows of it, else 0."""
+
+
+NOTABLE_E_N = 0.6
+"""Coefficient of restitution above which impacts are counted."""
+
+
+class ImpactEnergies(NamedTuple):
+    """Energies of impacts; arrays `(impacts,)`, trajectory after trajectory."""
+
+    trajectory: np.ndarray
+    """Number of the block, from 0."""
+    energy: Values
+    """Kinetic energy at touch [J]."""
+    arm_work: Values
+    """Work of the normal force through its lever arm [J]: energy that nothing pays for,
+    above 0 where it is given to the block."""
+    e_n: Values
+    """Normal velocity after the contact over that before; NaN for a block that turns
+    into the ground while its centre does not come down."""
+    gain: Values
+    """Kinetic and potential energy after the contact less those before [J]."""
+
+    def sums(self, blocks: int) -> dict[str, np.ndarray]:
+        """Sum over the impacts of each block, `(blocks,)`, by names with the unit. A
+        gain of a rounding is none."""
+        is_high = self.e_n > NOTABLE_E_N
+        summed = {
+            "energy_at_impacts_J": self.energy,
+            "arm_work_given_J": np.maximum(self.arm_work, 0.0),
+            "arm_work_taken_J": np.maximum(-self.arm_work, 0.0),
+            "impacts_of_high_e_n": is_high,
+            "energy_of_high_e_n_J": np.where(is_high, self.energy, 0.0),
+            "impacts_that_gain": self.gain > 1e-9 * self.energy,
+        }
+        return {
+            name: np.bincount(self.trajectory, values, blocks)
+            for name, values in summed.items()
+        }
 
 
 COLUMN_TYPES: dict[str, type] = {
@@ -247,6 +289,29 @@ class Runs(ShownAsTable):
             + mass * GRAVITY * pieces.y
         )
 
+    def impact_energies(self) -> ImpactEnergies:
+        """Compute the energies of all impacts; touches too slow to be an impact, and
+        impacts that failed, are left out."""
+        known = (self.contacts.outcome >= 0) & (self.contacts.outcome != Outcome.failed)
+        c = select(self.contacts, known)
+        mass, inertia = select(self.release.mass_properties, c.trajectory)
+
+        def kinetic(v_n: Values, v_t: Values, spin: Values) -> Values:
+            return 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
+
+        v_n = c.normal_velocity_before
+        before = kinetic(v_n, c.tangential_velocity_before, c.angular_velocity_before)
+        after = kinetic(c.normal_velocity, c.tangential_velocity, c.angular_velocity)
+        comes_down = v_n > 0.0
+        e_n = -c.normal_velocity / np.where(comes_down, v_n, 1.0)
+        return ImpactEnergies(
+            trajectory=c.trajectory,
+            energy=before,
+            arm_work=c.arm_work,
+            e_n=np.where(comes_down, e_n, np.nan),
+            gain=after - before + mass * GRAVITY * (c.y_after - c.y),
+        )
+
     def path(self, trajectory: int, spacing: float = 0.05) -> dict[str, np.ndarray]:
         """Sample the trajectory of one block.
 
@@ -279,8 +344,27 @@ class Runs(ShownAsTable):
             ("y at the end", range_of(self.y), "m"),
             ("time", range_of(self.time), "s"),
             ("events", range_of(self.events), "-"),
+            *_rows_of_energies(self.impact_energies()),
         ]
         return f"Runs: {len(self.ending)} blocks; {endings}", rows
+
+
+def _rows_of_energies(ledger: ImpactEnergies) -> Rows:
+    """Write what to look at before impacts are believed; nothing without impacts."""
+    if not len(ledger.energy):
+        return []
+    together = ledger._replace(trajectory=np.zeros(len(ledger.energy), int))
+    total = {name: float(sum_) for name, (sum_,) in together.sums(1).items()}
+    energy = total["energy_at_impacts_J"] or 1.0
+    given, taken = total["arm_work_given_J"], total["arm_work_taken_J"]
+    share = total["impacts_of_high_e_n"] / len(ledger.energy)
+    high = f"impacts with e_n above {NOTABLE_E_N}"
+    rows = [
+        (high, f"{share:.1%}", ""),
+        ("impacts that gain energy", f"{total['impacts_that_gain']:.0f}", ""),
+    ]
+    arm = f"gives {given / energy:.1%}, takes {taken / energy:.1%}"
+    return [("arm work", arm, "of the energy at impact")] * (given + taken > 0.0) + rows
 
 
 class Stretches(NamedTuple):

@@ -13,6 +13,7 @@ from ...accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ...errors import InputError
 from ...impact.events import Outcome
 from ...impact_response import ImpactResponse, ImpactResponses, respond
+from ...progress import SILENT, telling
 from ...rebound import Rebound
 from ...scene import Block, Impact, Scene, Soil
 from ..lane_programs import closed_form
@@ -46,7 +47,9 @@ class FullModel:
         get_accuracy(self.accuracy)
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
-        return respond(Scene(block, soil, impact), get_accuracy(self.accuracy))
+        # Who waits for the run counts blocks, not the impacts of a round.
+        with telling(SILENT):
+            return respond(Scene(block, soil, impact), get_accuracy(self.accuracy))
 
 
 @dataclasses.dataclass(frozen=True)

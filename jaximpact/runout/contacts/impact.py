@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...impact.events import Outcome
-from ...impact_response import ImpactResponse
+from ...impact_response import ImpactResponse, ImpactResponses
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, put, select, support, support_of
 from ..centre_path import CentrePath
@@ -78,7 +78,7 @@ def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
     if np.any(rough):
         struck = jax.tree.map(np.copy, struck)
         turn = strike_facets(state, lanes, touched, struck, rough)
-    response, outcome = _respond(state, lanes, struck, is_impact, contacts)
+    response, outcome, arm_work = _respond(state, lanes, struck, is_impact, contacts)
     outline = constants.outline
     settled = _held_up(
         profile=state.profile,
@@ -99,7 +99,7 @@ def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
     )
     after, record, piece = depart(
         *(blocks, constants, touched, struck, response, settled),
-        Seen(is_impact, turn, outcome, free),
+        Seen(is_impact, turn, outcome, free, arm_work),
         state.ground.rolling_friction[lanes, segment],
         state.limits,
     )
@@ -146,12 +146,12 @@ def _respond(
     struck: PlaneContact,
     is_impact: np.ndarray,
     contacts: Contacts,
-) -> tuple[ImpactResponse, np.ndarray]:
+) -> ImpactResponses:
     """Ask the contact model; a touch without impact leaves the velocities alone."""
     before = struck.normal_velocity, struck.tangential_velocity, struck.angular_velocity
     nothing = (np.zeros_like(struck.closing) for _ in range(3))
     response = ImpactResponse(*(velocity.copy() for velocity in before), *nothing)
-    outcome = np.full(len(lanes), NO_IMPACT)
+    outcome, arm_work = np.full(len(lanes), NO_IMPACT), np.zeros(len(lanes))
     if np.any(is_impact):
         striking = lanes[is_impact]
         if isinstance(contacts, ClosedForm):
@@ -164,7 +164,8 @@ def _respond(
         )
         put(response, is_impact, responses.response)
         outcome[is_impact] = responses.outcome
-    return response, outcome
+        arm_work[is_impact] = responses.arm_work
+    return ImpactResponses(response, outcome, arm_work)
 
 
 def _held_up(
@@ -265,6 +266,7 @@ class Seen(NamedTuple):
     turn: Values  # angle of the facet from the segment [rad]; 0 where none is struck
     outcome: Values  # code of `Outcome`, or -1 for no impact
     free: Values  # fraction of its travel during the contact that the block can make
+    arm_work: Values  # of the contact [J]
 
 
 @closed_form
@@ -414,6 +416,7 @@ def _recorded(
         0.0, block.time, block.segment, struck.slope, body.x, body.y,
         *struck[1:5], *after[3:6], on.x, on.y,
         response.duration, response.sinking, seen.outcome, hops.astype(float),
+        seen.arm_work,
     )  # fmt: skip
     duration = response.duration * free
     time = jnp.where(duration > 0.0, duration, 1.0)

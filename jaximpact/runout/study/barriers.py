@@ -28,6 +28,8 @@ from ..coordinates import LARGEST
 from ..terrain import Profile, check_inside
 from ..trajectory import Ending
 from .intervals import (
+    DIFFERS,
+    is_apart,
     least_blocks,
     percentile_interval_over_grounds,
     share_intervals_over_grounds,
@@ -111,6 +113,7 @@ EFFECT_WORDS = {
     "break it": "broken_of_arriving",
     "are stopped": "stopped_of_arriving",
 }
+SECOND_COLUMNS = tuple(f"second_run_{n}" for n in ("value", "low", "high", "differs"))
 NOTE = "A barrier changes no trajectory: blocks that it stops are counted, not removed."
 
 
@@ -265,15 +268,40 @@ def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
     return at_barriers
 
 
-def estimate_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
+class OtherEstimates(NamedTuple):
+    """Estimates of the same blocks by another kinematics of the soil."""
+
+    kinematics: str
+    at_barriers: Sequence[BarrierEstimates]
+
+    def beside(
+        self, at_barriers: Sequence[BarrierEstimates]
+    ) -> list[dict[str, Estimate]]:
+        """Give the estimates beside those of barriers, by their names."""
+        found = {barrier: estimates for barrier, estimates in self.at_barriers}
+        return [found[barrier] for barrier, _ in at_barriers]
+
+
+def mark(one: Estimate, other: Estimate) -> str:
+    """Mark estimates whose intervals do not overlap."""
+    return DIFFERS if is_apart(one[3:], other[3:]) else ""
+
+
+def estimate_table(
+    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
+) -> Table:
     """List all estimates, for barriers.csv."""
     columns = ("barrier", *KEYS[1:], "quantity", *Estimate._fields)
-    rows = [
-        (*of.place, quantity, *estimate)
-        for of in at_barriers
-        for quantity, estimate in of.estimates.items()
-    ]
-    return Table(columns, rows)
+    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    rows = []
+    for of, here in zip(at_barriers, others, strict=True):
+        for quantity, estimate in of.estimates.items():
+            beside = (None,) * 4
+            if quantity in here:
+                second = here[quantity]
+                beside = (*second[2:], mark(estimate, second))
+            rows.append((*of.place, quantity, *estimate, *beside))
+    return Table((*columns, *SECOND_COLUMNS), rows)
 
 
 def barriers_in_json(at_barriers: Sequence[BarrierEstimates]) -> list[dict]:
@@ -284,38 +312,60 @@ def barriers_in_json(at_barriers: Sequence[BarrierEstimates]) -> list[dict]:
     ]
 
 
-def effect_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
+def effect_table(
+    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
+) -> Table:
     """Write what becomes of blocks at each barrier."""
-    rows = []
-    for of in at_barriers:
+    rows, columns = [], ("", "blocks", "share", "interval")
+    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    for of, here in zip(at_barriers, others, strict=True):
         first = of.place
         for word, quantity in EFFECT_WORDS.items():
             estimate = of.estimates[f"share_{quantity}"]
-            share, ends = "-", "-"
-            if estimate.blocks:
-                share = f"{estimate.value:.1%}"
-                ends = f"{estimate.low:.1%} to {estimate.high:.1%}"
-            rows.append((*first, word, estimate.count, share, ends))
+            cells = (estimate.count, *_share_cells(estimate))
+            if here:
+                second = here[f"share_{quantity}"]
+                cells += (*_share_cells(second), mark(estimate, second))
+            rows.append((*first, word, *cells))
             first = ("",) * len(first)
-    columns = ("barrier", "x [m]", "height [m]", "capacity [kJ]")
-    return Table((*columns, "", "blocks", "share", "interval"), rows)
+    if other:
+        columns += (f"by {other.kinematics}", "interval", "")
+    return Table(("barrier", "x [m]", "height [m]", "capacity [kJ]", *columns), rows)
 
 
-def design_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
-    """Write the design values at each barrier."""
+def _share_cells(estimate: Estimate) -> tuple[str, str]:
+    if not estimate.blocks:
+        return "-", "-"
+    ends = f"{estimate.low:.1%} to {estimate.high:.1%}"
+    return f"{estimate.value:.1%}", ends
+
+
+def design_table(
+    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
+) -> Table:
+    """Write the design values at each barrier, and below each what it is by another
+    kinematics."""
     rows = []
-    for barrier, estimates in at_barriers:
+    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    for (barrier, estimates), here in zip(at_barriers, others, strict=True):
         first = (barrier.name, estimates["share_arriving"].count)
         for name, (_, unit, *_) in DESIGN_QUANTITIES.items():
-            cells = []
-            for percent in DESIGN_PERCENTILES:
-                estimate = estimates[f"{name}_p{percent}"]
-                cells += [estimate.value, interval_text(estimate.low, estimate.high)]
             words = name.rpartition("_")[0].replace("_", " ")
+            names = [f"{name}_p{percent}" for percent in DESIGN_PERCENTILES]
+            cells = (c for n in names for c in _cells(estimates[n]))
             rows.append((*first, words, unit, *cells))
+            if other:
+                cells = (c for n in names for c in _cells(here[n], estimates[n]))
+                rows.append(("", "", f"- by {other.kinematics}", unit, *cells))
             first = ("", "")
     heads = [h for percent in DESIGN_PERCENTILES for h in (f"{percent} %", "interval")]
     return Table(("barrier", "blocks", "", "unit", *heads), rows)
+
+
+def _cells(estimate: Estimate, beside: Estimate | None = None) -> tuple[float, str]:
+    ends = interval_text(estimate.low, estimate.high)
+    marked = f", {mark(beside, estimate)}" if beside and mark(beside, estimate) else ""
+    return estimate.value, f"{ends}{marked}"
 
 
 def too_few(at_barriers: Sequence[BarrierEstimates]) -> list[str]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import nearest
 from ...io.toml import Key, number, of_kind, typed, unknown, with_named_parts
+from ...laws import WorkConjugate
 from ...parameters import parts_of
 from ...scene import Soil
 from ..random_inputs import Quantity, RandomField
@@ -98,7 +99,7 @@ class GroundInput(NamedTuple):
         top = Key(path)
         key, table = top["ground"], typed(top, content, "ground", dict, {})
         calibrated = _calibrated(key, table)
-        soil = calibrated.soil if calibrated else Soil()
+        soil = calibrated.soil if calibrated else _default_soil(content)
         soil = cast(Soil, with_named_parts(key, table, soil))
         if all(kind in table for kind in PARTS):
             raise key.error(
@@ -186,6 +187,17 @@ class GroundInput(NamedTuple):
                 values = whole
             by_name[name] = values
         return Ground(*with_ground_values(profile.soil, by_name), seed)
+
+
+def _default_soil(content: dict) -> Soil:
+    """Make the soil of run-outs: by `WorkConjugate`, whose contacts give no block
+    energy that nothing pays for. Beside tables, which were made by `tabulate`, it is
+    the soil of impacts."""
+    laws = content.get("contacts")
+    laws = laws if isinstance(laws, list) else [laws]
+    if any(isinstance(law, dict) and law.get("law") == "table" for law in laws):
+        return Soil()
+    return Soil(kinematics=WorkConjugate())
 
 
 def _segment(

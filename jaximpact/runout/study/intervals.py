@@ -23,6 +23,15 @@ from scipy.stats import binom, binomtest
 LEVEL = 0.95
 """Probability with which an interval holds the true value, at least."""
 TAIL = 0.5 * (1.0 - LEVEL)
+DIFFERS = "differs"
+"""Stands beside two numbers whose intervals do not overlap."""
+
+
+def is_apart(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Tell whether two intervals, lower end and upper end, do not overlap; an end that
+    is not known may be anywhere."""
+    (low, high), (other_low, other_high) = one, other
+    return bool(high < other_low or other_high < low)
 
 
 def share_interval(count: int, blocks: int) -> tuple[float, float]:

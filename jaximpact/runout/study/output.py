@@ -1,5 +1,6 @@
 """Files of a run-out study, and of a comparison of contact laws."""
 
+import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -17,10 +18,11 @@ from ...reports.tables import Table
 from ..trajectory import Ending
 from . import drawing
 from .barriers import barriers_in_json, effect_table, estimate_table, estimates_of
-from .intervals import percentile_interval
+from .intervals import DIFFERS, is_apart, percentile_interval
 from .map_files import names_of_map_files, write_map_files
-from .report_page import slope_report
+from .report_page import other_estimates, slope_report
 from .run_study import PERCENTILES, simulate
+from .second_run import note, second_of
 from .slope_file import SlopeStudy
 
 STOP_COLUMNS = (
@@ -47,6 +49,9 @@ COLLECTOR_COLUMNS = (
     *("collector_m", "blocks_passing", "quantity"),
     *(f"p{p}" for p in PERCENTILES),
     *(f"p{p}_{end}" for p in PERCENTILES for end in ("low", "high")),
+    *(f"second_run_p{p}" for p in PERCENTILES),
+    *(f"second_run_p{p}_{end}" for p in PERCENTILES for end in ("low", "high")),
+    *(f"p{p}_differs" for p in PERCENTILES),
 )
 STOPS = (*PERCENTILES, 100)
 LAW_COLUMNS = (
@@ -101,7 +106,8 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     manifest = {"title": dataset.title} | _attributes(dataset)
     if study.settings.barriers:
         at_barriers = estimates_of(dataset)
-        write_text(new("barriers.csv"), estimate_table(at_barriers).csv())
+        table = estimate_table(at_barriers, other_estimates(dataset))
+        write_text(new("barriers.csv"), table.csv())
         manifest["barriers"] = barriers_in_json(at_barriers)
     write_text(new("manifest.json"), json_text(manifest))
     return report
@@ -123,16 +129,30 @@ def _stop_table(dataset: xr.Dataset) -> Table:
 
 def collector_table(dataset: xr.Dataset) -> Table:
     """List percentiles of first passages, a row for each collector and quantity, and
-    the ends of the percentiles' intervals of 95 %."""
-    rows, valid = [], drawing.valid_blocks(dataset)
+    the ends of the percentiles' intervals of 95 %, of both runs."""
+    rows, second = [], second_of(dataset)
     for place, x in enumerate(dataset.collector.values.tolist()):
         passing = int(dataset.blocks_passing.values[place])
         for name in QUANTITIES:
-            values = dataset[f"{name}_percentiles"].values[:, place].tolist()
-            passages = dataset[name].values[valid, place]
-            ends = (e for p in PERCENTILES for e in percentile_interval(passages, p))
-            rows.append((x, passing, name.removeprefix("passage_"), *values, *ends))
+            values, ends = _percentiles(dataset, name, place)
+            others: list = [None] * 3 * len(PERCENTILES)
+            apart: list = [None] * len(PERCENTILES)
+            if second is not None:
+                other_values, other_ends = _percentiles(second[1], name, place)
+                others = [*other_values, *itertools.chain(*other_ends)]
+                pairs = zip(ends, other_ends, strict=True)
+                apart = [DIFFERS if is_apart(*pair) else "" for pair in pairs]
+            about = (x, passing, name.removeprefix("passage_"))
+            rows.append((*about, *values, *itertools.chain(*ends), *others, *apart))
     return Table(COLLECTOR_COLUMNS, rows)
+
+
+def _percentiles(
+    dataset: xr.Dataset, name: str, place: int
+) -> tuple[list[float], list[tuple[float, float]]]:
+    values = dataset[f"{name}_percentiles"].values[:, place].tolist()
+    passages = dataset[name].values[drawing.valid_blocks(dataset), place]
+    return values, [percentile_interval(passages, p) for p in PERCENTILES]
 
 
 def write_comparison(
@@ -164,7 +184,10 @@ def write_comparison(
         figure = drawing.draw_collectors(datasets)
         save_figure(figure, new("comparison_collectors.png"))
     if study.settings.barriers:
-        table = _of_laws(datasets, lambda one: estimate_table(estimates_of(one)))
+        table = _of_laws(
+            datasets,
+            lambda one: estimate_table(estimates_of(one), other_estimates(one)),
+        )
         write_text(new("comparison_barriers.csv"), table.csv())
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
     manifest = {"title": study.inputs.title, "laws": laws}
@@ -188,6 +211,8 @@ def comparison_report(
     lines = [f"The same {first.sizes['block']} blocks by {len(datasets)} laws."]
     if str(Ending.failed) in endings:
         lines.append("Blocks that failed are in no number but their count.")
+    for law, dataset in datasets.items():
+        lines += [f"{law}: {line}" for line in note(dataset)]
     answer: list[Part] = [
         Box("verdict", lines),
         "Endings, median impacts, and x where blocks stopped [m]:",
@@ -200,7 +225,10 @@ def comparison_report(
         for place, x in enumerate(collectors)
     ]
     sections += [
-        ReportSection(f"Barriers by {law}", [effect_table(estimates_of(dataset))])
+        ReportSection(
+            f"Barriers by {law}",
+            [effect_table(estimates_of(dataset), other_estimates(dataset))],
+        )
         for law, dataset in datasets.items()
     ]
     return Document(first.title, answer, sections)

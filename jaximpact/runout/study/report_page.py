@@ -2,7 +2,7 @@
 
 import itertools
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,40 +11,43 @@ import xarray as xr
 from ...reports.document import Box, Document, Interactive, Part, ReportSection
 from ...reports.tables import Table, interval_text, listed
 from ...scene_quantities import SHAPE
-from ..contacts.contact_models import ClosedForm
+from ..contacts.contact_models import ClosedForm, FullModel
 from ..terrain import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE
 from ..trajectory import Ending, Runs
 from .barriers import (
     DESIGN_PERCENTILES,
     NOTE,
     BarrierEstimates,
+    Estimate,
+    OtherEstimates,
     design_table,
     effect_table,
     estimates_of,
     too_few,
 )
 from .drawing import grounds_of, stops_of, valid_blocks
-from .intervals import least_blocks, percentile_interval
+from .intervals import DIFFERS, is_apart, least_blocks, percentile_interval
 from .map_files import NO_MAP
 from .page_data import QUANTITIES, page_curves, page_profile
 from .run_study import BLOCK_NUMBERS, PERCENTILES
+from .second_run import PASSAGES, energy_table, note, second_of
 from .slope_file import SlopeStudy
 
 if TYPE_CHECKING:
     import markupsafe
 
 PACKAGE = "jaximpact.runout.study"
-PASSAGES = {
-    "speed": ("passage_speed_mps", "m/s", 1.0),
-    "energy": ("passage_energy_J", "kJ", 1e-3),
-    "height of the centre": ("passage_centre_height_m", "m", 1.0),
-    "height of the lowest point": ("passage_lowest_height_m", "m", 1.0),
-}
 CURVES = (
     "The share of all blocks whose largest value between the two ends of a bin exceeds "
     "a value. It is at least that at any single x in the bin. Intervals hold the true "
     "percentile with 95 %, if the blocks are random samples; a dash says that there "
     "are too few blocks."
+)
+ARM_WORK = (
+    "Arm work is the work of the normal force through the arm from the point where "
+    "penetration is measured to the point where the force acts. Nothing pays for it: it "
+    "is an error of the model, and zero by WorkConjugate. An impact gains energy where "
+    "kinetic and potential energy after it are more than before."
 )
 BARRIERS = (
     "A block passes over if its lowest point, at its first passage of x, is above the "
@@ -64,7 +67,7 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
     estimates = estimates_of(dataset)
     profile = drawing | _placed(drawing["scale"]) | {"blocks": study.release.count}
     answer: list[Part] = [
-        Box("verdict", _summary(study, dataset, estimates)),
+        Box("verdict", _summary(study, dataset, estimates, other_estimates(dataset))),
         Box("warning", ["What is not known", *unknowns(study, dataset)]),
         Interactive(PACKAGE, "profile.jinja", profile),
     ]
@@ -86,24 +89,33 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
             [CURVES, Interactive(PACKAGE, "exceedance.jinja", curves)],
             printed=False,
         ),
-        ReportSection("Endings", [_ending_table(dataset), _stops(dataset)]),
+        ReportSection("Endings", [_ending_table(dataset), *_stops(dataset)]),
         ReportSection("Collectors", _collectors(dataset)),
-        ReportSection("Barriers", barrier_parts(estimates)),
+        ReportSection("Barriers", barrier_parts(estimates, other_estimates(dataset))),
+        ReportSection("Energy at impacts", _energies(study, dataset)),
         ReportSection("Settings", settings, printed=False),
         ReportSection("Computed from", [_origin(dataset)], printed=False),
     ]
     return Document(study.inputs.title, answer, sections)
 
 
-def barrier_parts(estimates: Sequence[BarrierEstimates]) -> list[Part]:
+def other_estimates(dataset: xr.Dataset) -> OtherEstimates | None:
+    """Estimate the same at barriers from the second run; None where there was none."""
+    second = second_of(dataset)
+    return second and OtherEstimates(second[0], estimates_of(second[1]))
+
+
+def barrier_parts(
+    estimates: Sequence[BarrierEstimates], other: OtherEstimates | None
+) -> list[Part]:
     """Write what becomes of blocks at barriers; nothing where there are none."""
     if not estimates:
         return []
     return [
         BARRIERS,
-        effect_table(estimates),
+        effect_table(estimates, other),
         "Design values of the blocks that arrive:",
-        design_table(estimates),
+        design_table(estimates, other),
     ]
 
 
@@ -147,29 +159,51 @@ def _data(study: SlopeStudy, dataset: xr.Dataset, scale: dict) -> "markupsafe.Ma
 
 
 def _summary(
-    study: SlopeStudy, dataset: xr.Dataset, at_barriers: Sequence[BarrierEstimates]
+    study: SlopeStudy,
+    dataset: xr.Dataset,
+    at_barriers: Sequence[BarrierEstimates],
+    other: OtherEstimates | None,
 ) -> list[str]:
     endings = json.loads(dataset.attrs["endings"])
     counts = ", ".join(f"{count} {name}" for name, count in endings.items())
     lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {counts}."]
     stopped = stops_of(dataset)
     if len(stopped):
-        low, high = percentile_interval(stopped, 95)
+        ends = percentile_interval(stopped, 95)
         lines.append(
             f"95 % of those that stopped did so before x = "
             f"{np.percentile(stopped, 95):.4g} m (95 % interval: "
-            f"{interval_text(low, high)}), the farthest at {stopped.max():.4g} m."
+            f"{interval_text(*ends)}{_stop_beside(dataset, ends)}), the farthest at "
+            f"{stopped.max():.4g} m."
         )
-    for barrier, by_name in at_barriers:
-        name, arrive = barrier.name, by_name["share_arriving"]
-        through = [by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken")]
-        lines.append(
-            f"{name[:1].upper()}{name[1:]}: {arrive.count} blocks arrive, {through[0]} "
-            f"pass over, and {through[1]} break the barrier."
-        )
+    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    for (barrier, by_name), beside in zip(at_barriers, others, strict=True):
+        name = barrier.name
+        line = f"{name[:1].upper()}{name[1:]}: {_counts_at(by_name)} the barrier"
+        if other:
+            line += f" (by {other.kinematics}: {_counts_at(beside)} it)"
+        lines.append(f"{line}.")
     if study.inputs.smoothing is not None:
         lines.append(f"The profile is {study.inputs.smoothing}.")
     return lines
+
+
+def _counts_at(by_name: Mapping[str, Estimate]) -> str:
+    arrive = by_name["share_arriving"].count
+    over, broken = (by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken"))
+    return f"{arrive} blocks arrive, {over} pass over, and {broken} break"
+
+
+def _stop_beside(dataset: xr.Dataset, ends: tuple[float, float]) -> str:
+    """Write the 95 % value of stops of the second run, to stand in brackets."""
+    second = second_of(dataset)
+    stopped = stops_of(second[1]) if second else np.zeros(0)
+    if second is None or not len(stopped):
+        return ""
+    other = percentile_interval(stopped, 95)
+    marked = f", {DIFFERS}" if is_apart(ends, other) else ""
+    value = f"{np.percentile(stopped, 95):.4g} m, {interval_text(*other)}"
+    return f"; by {second[0]}: {value}{marked}"
 
 
 def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
@@ -182,6 +216,7 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             "names, not its authors' code: docs/model.md and docs/limits.md."
         )
     lines = [
+        *note(dataset),
         law,
         "Intervals say how much the numbers would change with other random blocks. "
         "They do not include errors of the model, the ground or the releases, and mean "
@@ -227,16 +262,38 @@ def _ending_table(dataset: xr.Dataset) -> Table:
     return Table(("ending", "blocks", "share"), rows)
 
 
-def _stops(dataset: xr.Dataset) -> str:
+def _stops(dataset: xr.Dataset) -> list[Part]:
     stopped = stops_of(dataset)
-    if not len(stopped):
-        return "No block stopped."
-    values = np.percentile(stopped, PERCENTILES)
-    words = ", ".join(
-        f"{p} % by {v:.5g} ({interval_text(*percentile_interval(stopped, p))})"
-        for p, v in zip(PERCENTILES, values, strict=True)
-    )
-    return f"x where blocks stopped [m]: {words}, all by {stopped.max():.5g}."
+    lines: list[Part] = [f"x where blocks stopped [m]: {_stop_words(stopped)}."]
+    if len(stopped) and (second := second_of(dataset)):
+        kinematics, other = second
+        words = _stop_words(stops_of(other), stopped)
+        lines.append(f"The same by {kinematics}: {words}.")
+    return lines if len(stopped) else ["No block stopped."]
+
+
+def _stop_words(x: np.ndarray, beside: np.ndarray | None = None) -> str:
+    """Write percentiles of stops with their intervals, marked where those of others do
+    not overlap."""
+    words = []
+    for percent in PERCENTILES if len(x) else ():
+        ends = percentile_interval(x, percent)
+        marked = ""
+        if beside is not None and is_apart(ends, percentile_interval(beside, percent)):
+            marked = f", {DIFFERS}"
+        value = np.percentile(x, percent)
+        words.append(f"{percent} % by {value:.5g} ({interval_text(*ends)}{marked})")
+    return ", ".join((*words, f"all by {x.max():.5g}") if len(x) else ("no block",))
+
+
+def _energies(study: SlopeStudy, dataset: xr.Dataset) -> list[Part]:
+    """Write the ledger of the impacts, and what it means."""
+    if not isinstance(study.law.contacts, FullModel):
+        return []
+    second = json.loads(dataset.attrs["second_run"])
+    if isinstance(second, str):
+        return [energy_table(dataset), f"No second run: {second}."]
+    return [ARM_WORK, energy_table(dataset)]
 
 
 def _collectors(dataset: xr.Dataset) -> list[Part]:
@@ -252,18 +309,33 @@ def _collectors(dataset: xr.Dataset) -> list[Part]:
         first = (f"{x:g}", f"{passing}{share}")
         for word, (name, unit, factor) in PASSAGES.items():
             values = factor * dataset[name].values[valid, place]
-            percentiles = factor * dataset[f"{name}_percentiles"].values[:, place]
-            cells = []
-            for p, value in zip(PERCENTILES, percentiles, strict=True):
-                cells.append(value)
-                if p in DESIGN_PERCENTILES:
-                    cells.append(interval_text(*percentile_interval(values, p)))
-            rows.append((*first, word, unit, *cells))
+            rows.append((*first, word, unit, *_percentile_cells(values)))
+            if second := second_of(dataset):
+                other = second[1][name].values[valid_blocks(second[1]), place]
+                cells = _percentile_cells(factor * other, values)
+                rows.append(("", "", f"- by {second[0]}", unit, *cells))
             first = ("", "")
     return [
         "First passages of the blocks that pass: percentiles with their intervals.",
         Table(("x [m]", "pass", "", "unit", *heads), rows),
     ]
+
+
+def _percentile_cells(values: np.ndarray, beside: np.ndarray | None = None) -> list:
+    """Write percentiles of the finite values, those for design with their intervals,
+    marked where those of others do not overlap."""
+    finite, cells = values[np.isfinite(values)], []
+    for percent in PERCENTILES:
+        cells.append(float(np.percentile(finite, percent)) if len(finite) else np.nan)
+        if percent in DESIGN_PERCENTILES:
+            ends = percentile_interval(values, percent)
+            text = interval_text(*ends)
+            if beside is not None and is_apart(
+                ends, percentile_interval(beside, percent)
+            ):
+                text += f", {DIFFERS}"
+            cells.append(text)
+    return cells
 
 
 def _settings(study: SlopeStudy) -> Table:

@@ -11,7 +11,7 @@ import json
 import time
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -32,8 +32,16 @@ from ..blocks import Release, select
 from ..coordinates import FASTEST
 from ..scheduler import WIDTH, follow
 from ..terrain import ground_columns
-from ..trajectory import Ending, Runs, state_after, stretches_of
+from ..trajectory import NOTABLE_E_N, Ending, Runs, state_after, stretches_of
 from .barriers import barrier_variables
+from .second_run import (
+    LEFT_OUT,
+    PREFIX,
+    SecondRun,
+    differences,
+    kinematics_of,
+    second_run_of,
+)
 from .slope_file import SlopeStudy
 
 BLOCK_NUMBERS = {
@@ -43,6 +51,12 @@ BLOCK_NUMBERS = {
     "impacts": ("-", "impacts, without touches too slow to be one"),
     "hops": ("-", "hops, contacts after which it rolled in place of a low flight"),
     "events": ("-", "contacts and legs along the ground"),
+    "energy_at_impacts_J": ("J", "kinetic energy at touch, sum over its impacts"),
+    "arm_work_given_J": ("J", "arm work of impacts that gave it energy"),
+    "arm_work_taken_J": ("J", "arm work of impacts that took energy from it"),
+    "impacts_of_high_e_n": ("-", f"impacts with e_n above {NOTABLE_E_N}"),
+    "energy_of_high_e_n_J": ("J", "kinetic energy at touch, sum over these"),
+    "impacts_that_gain": ("-", "impacts after which it had more energy than before"),
     "energy_at_release_J": ("J", "kinetic energy at release"),
     "energy_at_end_J": ("J", "kinetic energy at its end; 0 for a block that stopped"),
 }
@@ -153,6 +167,7 @@ def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
         np.bincount(impacts, minlength=blocks),
         np.bincount(hops, minlength=blocks),
         runs.events,
+        *runs.impact_energies().sums(blocks).values(),
         *_energies(runs),
     ]
     for x in places_of(study):
@@ -185,6 +200,7 @@ def run_slope_study(
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
     executor: concurrent.futures.Executor | None = None,
+    second_run: bool = True,
 ) -> xr.Dataset:
     """Compute all blocks of a study.
 
@@ -195,6 +211,10 @@ def run_slope_study(
         progress: called as `progress(done, blocks)`.
         executor: computes portions of the blocks in other processes, as for
             `simulate_batch`. No result depends on it.
+        second_run: run elongated blocks by the full model once more, with the same
+            random numbers and the other kinematics of the soil; what they come to has
+            names that begin with second_run_, and the attribute second_run says where
+            design values differ by more than their intervals.
 
     Returns:
         A dataset over blocks, collectors if there are any, and bins along the profile;
@@ -206,18 +226,61 @@ def run_slope_study(
     Raises InputError for a journal of something else.
     """
     columns, count = columns_of_rows(study), study.release.count
+    second = second_run_of(study) if second_run else LEFT_OUT
+    again = second if isinstance(second, SecondRun) else None
+    parts = [_Part(study, np.arange(count), 0)]
+    if again is not None:
+        parts.append(_Part(*again, first=count))
+    total = sum(len(part.blocks) for part in parts)
     opened = contextlib.nullcontext()
     if journal is not None:
-        opened = Journal(journal, _subject(study), columns, count)
+        opened = Journal(journal, _subject(study), columns, total)
     with computing(progress=progress, executor=executor), opened as kept:
-        collector = Collector(len(columns), count, kept, "blocks")
-        if executor is None:
-            _run_here(study, collector)
-        else:
-            _run_elsewhere(executor, study, collector)
-    dataset = _dataset(study, collector.numbers.T)
+        collector = Collector(len(columns), total, kept, "blocks")
+        for part in parts:
+            if executor is None:
+                _run_here(part, collector)
+            else:
+                _run_elsewhere(executor, part, collector)
+    rows = collector.numbers.T
+    dataset = _dataset(study, rows[:count])
     _warn_of_speed(dataset)
-    return dataset
+    if again is None:
+        return dataset.assign_attrs(second_run=json.dumps(second))
+    others = rows[:count].copy()
+    others[again.blocks] = rows[count:]
+    return _with_second(dataset, again.study, others)
+
+
+class _Part(NamedTuple):
+    """Blocks of a study, whose rows of numbers follow each other."""
+
+    study: SlopeStudy
+    blocks: np.ndarray  # their numbers
+    first: int  # place of the first row
+
+
+def _with_second(
+    dataset: xr.Dataset, study: SlopeStudy, rows: np.ndarray
+) -> xr.Dataset:
+    """Add what the second run gave, and where it differs."""
+    second = _dataset(study, rows)
+    results = {"ending", "blocks_passing", *BLOCK_NUMBERS, *PASSAGE_NUMBERS}
+    results |= {name for name in map(str, second) if name.startswith("barrier_")}
+    results |= {f"{name}_percentiles" for name in PASSAGE_NUMBERS}
+    kinematics = kinematics_of(study)
+    about = {"kinematics": kinematics, "differences": []}
+    both = dataset.assign(
+        {
+            f"{PREFIX}{name}": values.assign_attrs(
+                long_name=f"by {kinematics}: {values.attrs['long_name']}"
+            )
+            for name, values in second.items()
+            if name in results
+        }
+    ).assign_attrs(second_run=json.dumps(about))
+    about["differences"] = differences(both)
+    return both.assign_attrs(second_run=json.dumps(about))
 
 
 def _warn_of_speed(dataset: xr.Dataset) -> None:
@@ -233,28 +296,36 @@ def _warn_of_speed(dataset: xr.Dataset) -> None:
         warnings.warn(UnusualValueWarning(text, "max_speed_mps"), stacklevel=3)
 
 
-def _run_here(study: SlopeStudy, collector: Collector) -> None:
-    size, waiting = FIRST_PORTION, np.flatnonzero(collector.missing)
+def _run_here(part: _Part, collector: Collector) -> None:
+    size, waiting = FIRST_PORTION, _waiting(part, collector)
     while len(waiting):
         portion, waiting = waiting[:size], waiting[size:]
         start = time.monotonic()
-        runs = simulate(study, portion, collector.under_way)
-        collector.take(portion, summarise(study, runs))
+        runs = simulate(part.study, part.blocks[portion], collector.under_way)
+        collector.take(part.first + portion, summarise(part.study, runs))
         if time.monotonic() - start < QUICK:
             size = min(2 * size, WIDTH)
 
 
+def _waiting(part: _Part, collector: Collector) -> np.ndarray:
+    """Give the places of the blocks of a part that are not computed yet."""
+    return np.flatnonzero(collector.missing[part.first :][: len(part.blocks)])
+
+
 def _run_elsewhere(
-    executor: concurrent.futures.Executor, study: SlopeStudy, collector: Collector
+    executor: concurrent.futures.Executor, part: _Part, collector: Collector
 ) -> None:
-    waiting = np.flatnonzero(collector.missing)
+    waiting = _waiting(part, collector)
     # 64 portions keep many workers busy; a lost worker costs 1024 blocks at most.
     size = int(np.clip(-(-len(waiting) // 64), FIRST_PORTION, 1024))
     portions = [waiting[i : i + size] for i in range(0, len(waiting), size)]
     run_tasks(
         executor,
-        (Task(_rows_of, _part_of(study, portion)) for portion in portions),
-        lambda number, rows: collector.take(portions[number], rows),
+        (
+            Task(_rows_of, _part_of(part.study, part.blocks[portion]))
+            for portion in portions
+        ),
+        lambda number, rows: collector.take(part.first + portions[number], rows),
     )
 
 
@@ -267,6 +338,7 @@ def _subject(study: SlopeStudy) -> dict[str, Any]:
     return {
         "runout": study.inputs.checksums_by_name,
         "contacts": study.law.description,
+        "kinematics": kinematics_of(study),
         "laws": study.laws,
         "versions": versions() | {"numpy": np.__version__},
     }

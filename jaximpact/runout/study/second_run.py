@@ -1,0 +1,195 @@
+"""Second run of a study: the same random numbers, the other kinematics of the soil.
+
+With the kinematics of the paper, `DeepestPoint`, the normal force does arm work in
+eccentric impacts: energy that nothing pays for, given to the block or taken from it.
+With `WorkConjugate` it does none. By how much design values differ is an error of the
+model, which no interval of random blocks holds. Round blocks do not differ, and are not
+run again.
+"""
+
+import dataclasses
+import json
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ...laws import DeepestPoint, WorkConjugate
+from ...reports.tables import Table, interval_text, number_text
+from ..contacts.contact_models import FullModel
+from ..trajectory import NOTABLE_E_N
+from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, estimates_of
+from .drawing import stops_of, valid_blocks
+from .intervals import DIFFERS, is_apart, percentile_interval
+from .slope_file import SlopeStudy
+
+PREFIX = "second_run_"
+"""Begins the names of what the second run gives, among the variables of a dataset."""
+LEFT_OUT = "it was to be left out"
+OTHER_LAW = "the contact law knows of no kinematics of the soil"
+ROUND = "all blocks are round, and come to the same by either kinematics"
+MOST_SHOWN = 4
+"""Number of differences that are told in sentences."""
+PASSAGES = {
+    "speed": ("passage_speed_mps", "m/s", 1.0),
+    "energy": ("passage_energy_J", "kJ", 1e-3),
+    "height of the centre": ("passage_centre_height_m", "m", 1.0),
+    "height of the lowest point": ("passage_lowest_height_m", "m", 1.0),
+}
+"""Quantities of passages by their words: variable, unit and factor."""
+
+
+class SecondRun(NamedTuple):
+    """Blocks that are run again."""
+
+    study: SlopeStudy
+    """The study, with the other kinematics."""
+    blocks: np.ndarray
+    """Numbers of the elongated blocks."""
+
+
+def second_run_of(study: SlopeStudy) -> SecondRun | str:
+    """Prepare the second run, or say why there is none."""
+    if not isinstance(study.law.contacts, FullModel):
+        return OTHER_LAW
+    elongated = np.flatnonzero(study.release.outline.heave > 0.0)
+    if not len(elongated):
+        return ROUND
+    ground = study.ground
+    is_other = isinstance(ground.soil.kinematics, WorkConjugate)
+    other = DeepestPoint() if is_other else WorkConjugate()
+    soil = dataclasses.replace(ground.soil, kinematics=other)
+    return SecondRun(study._replace(ground=ground.with_soil(soil)), elongated)
+
+
+def kinematics_of(study: SlopeStudy) -> str:
+    """Give the name of the kinematics of a study's soil."""
+    return type(study.ground.soil.kinematics).__name__
+
+
+def second_of(dataset: xr.Dataset) -> tuple[str, xr.Dataset] | None:
+    """Give the kinematics of the second run, and its results under the names of the
+    first; None where there was none."""
+    names = [name for name in map(str, dataset) if name.startswith(PREFIX)]
+    if not names:
+        return None
+    renamed = {name: name.removeprefix(PREFIX) for name in names}
+    kinematics = json.loads(dataset.attrs["second_run"])["kinematics"]
+    return kinematics, dataset[names].rename(renamed)
+
+
+class DesignValue(NamedTuple):
+    """Percentile of the blocks, with its interval of 95 %."""
+
+    words: str
+    unit: str
+    value: float
+    low: float  # NaN where there are too few blocks
+    high: float
+
+
+def differences(dataset: xr.Dataset) -> list[str]:
+    """Write a sentence for each design value that differs between the two runs by more
+    than their intervals."""
+    if (second := second_of(dataset)) is None:
+        return []
+    kinematics, other = second
+    pairs = zip(design_values(dataset), design_values(other), strict=True)
+    return [
+        f"{a.words}: {_value_text(a)}, but {_value_text(b)} by {kinematics}."
+        for a, b in pairs
+        if is_apart(a[3:], b[3:])
+    ]
+
+
+def _value_text(value: DesignValue) -> str:
+    ends = interval_text(value.low, value.high)
+    return f"{number_text(value.value)} {value.unit} ({ends})"
+
+
+def design_values(dataset: xr.Dataset) -> Iterator[DesignValue]:
+    """Yield the design values of a result: what comes to barriers, x where blocks
+    stopped, and what passes collectors."""
+    for barrier, estimates in estimates_of(dataset):
+        for name, (_, unit, _, words) in DESIGN_QUANTITIES.items():
+            for percent in DESIGN_PERCENTILES:
+                estimate = estimates[f"{name}_p{percent}"]
+                words_here = f"{words} at {barrier.name}, {percent} %"
+                yield DesignValue(words_here, unit, *estimate[2:])
+    for percent in DESIGN_PERCENTILES:
+        words_here = f"x by which {percent} % of the blocks stopped"
+        yield _percentile(words_here, "m", stops_of(dataset), percent)
+    valid = valid_blocks(dataset)
+    places = dataset.collector.values if "collector" in dataset.sizes else ()
+    for place, x in enumerate(places):
+        for words, (name, unit, factor) in PASSAGES.items():
+            values = factor * dataset[name].values[valid, place]
+            for percent in DESIGN_PERCENTILES:
+                words_here = f"{words} at x = {x:g} m, {percent} %"
+                yield _percentile(words_here, unit, values, percent)
+
+
+def _percentile(
+    words: str, unit: str, values: np.ndarray, percent: float
+) -> DesignValue:
+    finite = values[np.isfinite(values)]
+    value = float(np.percentile(finite, percent)) if len(finite) else np.nan
+    return DesignValue(words, unit, value, *percentile_interval(finite, percent))
+
+
+def energy_table(dataset: xr.Dataset) -> Table:
+    """Write what impacts did with the energy that came in, by each kinematics."""
+    runs = [(json.loads(dataset.attrs["kinematics"]), dataset)]
+    if (second := second_of(dataset)) is not None:
+        runs.append(second)
+    rows = [(kinematics, *_energy_cells(result)) for kinematics, result in runs]
+    above = f"e_n above {NOTABLE_E_N}"
+    return Table(
+        (
+            *("kinematics", "energy at impact [MJ]", "arm work gives", "and takes"),
+            *(f"{above}: of impacts", "of the energy", "impacts that gain energy"),
+        ),
+        rows,
+    )
+
+
+def _energy_cells(dataset: xr.Dataset) -> tuple:
+    valid = valid_blocks(dataset)
+
+    def total(name: str) -> float:
+        return float(np.sum(dataset[name].values[valid]))
+
+    energy, impacts = total("energy_at_impacts_J"), total("impacts")
+    return (
+        1e-6 * energy,
+        *(
+            f"{total(name) / max(whole, 1e-300):.2%}"
+            for name, whole in (
+                ("arm_work_given_J", energy),
+                ("arm_work_taken_J", energy),
+                ("impacts_of_high_e_n", impacts),
+                ("energy_of_high_e_n_J", energy),
+            )
+        ),
+        int(total("impacts_that_gain")),
+    )
+
+
+def note(dataset: xr.Dataset) -> list[str]:
+    """Say which numbers to take for design, where the two runs differ by more than
+    their intervals; nothing where they do not."""
+    apart = differences(dataset)
+    if not apart:
+        return []
+    other = json.loads(dataset.attrs["second_run"])["kinematics"]
+    used = json.loads(dataset.attrs["kinematics"])
+    rest = f"And {len(apart) - MOST_SHOWN} more, marked below: {DIFFERS}."
+    return [
+        f"By the kinematics {used} and {other} of the soil {len(apart)} design values "
+        "differ by more than their intervals, with the same random numbers. For design "
+        "take those by WorkConjugate, which gives no block energy that the ground "
+        "cannot give, and the difference as an error of the model: docs/limits.md.",
+        *apart[:MOST_SHOWN],
+        *([rest] if len(apart) > MOST_SHOWN else []),
+    ]
