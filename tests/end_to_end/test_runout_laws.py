@@ -128,7 +128,8 @@ def test_a_soil_law_of_ones_own_is_heeded(study):
         own = read_slope_study(study, "fast")
         profile = own.profile
         if usual:
-            profile = Profile(profile.x, profile.y, Soil())
+            soil = Soil(kinematics="WorkConjugate")
+            profile = Profile(profile.x, profile.y, soil)
         contacts = FullModel("fast")
         return simulate_runout(profile, own.release, contacts, time_limit=3.0).contacts
 
