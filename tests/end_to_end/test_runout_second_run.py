@@ -73,6 +73,8 @@ def test_arm_work_kept_alone_is_that_of_the_ledger(shape):
         summary_of(compute_part(scene, count, get_accuracy("balanced"), items), items)
         for items in (True, "arm")
     )
+    assert whole.energy is not None
+    assert alone.energy is not None
     arm, energy = whole.energy.arm, whole.energy.kinetic_in
     assert np.mean(np.abs(arm) / energy) > 0.02  # else there is nothing to compare
     error = np.abs(alone.energy.arm - arm) / energy

@@ -273,7 +273,7 @@ def _with_second(
     both = dataset.assign(
         {
             f"{PREFIX}{name}": values.assign_attrs(
-                long_name=f"by {kinematics}: {values.attrs['long_name']}"
+                long_name=f"{values.attrs['long_name']} by {kinematics}"
             )
             for name, values in second.items()
             if name in results
