@@ -140,11 +140,12 @@ class Calibration:
         """Make a table of a variant.
 
         Args:
-            table: "parameters": values, standard errors, 95 % intervals, bounds, and
-                whether each is identifiable; "covariance" and "correlation" of all
-                unknowns; "profiles": likelihood ratios over the values at which a
-                parameter was fixed; "draws" of the posterior, with a `weight`;
-                "residuals": measurements, fits and residuals.
+            table: "parameters": values, standard errors, 95 % intervals (NaN where one
+                reaches the bound), bounds, and whether each is identifiable;
+                "covariance" and "correlation" of all unknowns; "profiles": likelihood
+                ratios over the values at which a parameter was fixed; "draws" of the
+                posterior, with a `weight`; "residuals": measurements, fits and
+                residuals.
             variant: its name; of one variant it is not needed.
 
         Raises InputError for an unknown name.

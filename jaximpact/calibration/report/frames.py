@@ -34,15 +34,13 @@ def _parameters(fit: Fit) -> "pd.DataFrame":
     rows = []
     for index, verdict in enumerate(variant.verdicts):
         profile, known = variant.profiles[verdict.name], verdict.determined
-        low, high = variant.interval(index) if known else (np.nan, np.nan)
+        ends = variant.interval(index) if known else (profile.low_95, profile.high_95)
         rows.append(
             {
                 "value": variant.parameters[index],
                 "standard_error": variant.standard_error(index) if known else np.nan,
-                "low_95": low,
-                "high_95": high,
-                "profile_low_95": _end(profile.low_95),
-                "profile_high_95": _end(profile.high_95),
+                "low_95": ends[0],
+                "high_95": ends[1],
                 "lower_bound": variant.bounds.lower[index],
                 "upper_bound": variant.bounds.upper[index],
                 "identifiable": known,
@@ -51,11 +49,8 @@ def _parameters(fit: Fit) -> "pd.DataFrame":
             }
         )
     names = [verdict.name for verdict in variant.verdicts]
-    return pd.DataFrame(rows, index=pd.Index(names, name="parameter"))
-
-
-def _end(value: float | None) -> float:
-    return np.nan if value is None else value
+    frame = pd.DataFrame(rows, index=pd.Index(names, name="parameter"))
+    return frame.astype({"low_95": float, "high_95": float})
 
 
 def _covariance(fit: Fit) -> "pd.DataFrame":
