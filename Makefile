@@ -1,4 +1,5 @@
-# make calibrate   set up, fit the study calibration/wyllie
+# make calibrate   set up, fit the study calibration/drops, and predict the drops left out;
+#                  another study: make calibrate STUDIES=wyllie
 # make test        set up, run the tests, but for pages and notebooks
 # make quick       set up, run the quick ones: every room, machine code included
 # make lint        set up, check the style and the types
@@ -21,7 +22,7 @@ TESTS ?= tests
 OLDEST ?=
 
 PIP = $(VENV)/bin/python -m pip --disable-pip-version-check
-STUDIES = wyllie
+STUDIES = drops
 
 .PHONY: help calibrate test quick lint docs pages notebooks driver clean
 
@@ -32,6 +33,11 @@ calibrate: $(VENV)/.installed
 	@set -e; for study in $(STUDIES); do \
 	    echo "jaximpact calibrate calibration/$$study/study.toml --out $(OUT)/$$study"; \
 	    $(VENV)/bin/jaximpact calibrate calibration/$$study/study.toml --out $(OUT)/$$study; \
+	    if [ -f calibration/$$study/left_out.csv ]; then \
+	        echo "jaximpact predict $(OUT)/$$study calibration/$$study/left_out.csv"; \
+	        $(VENV)/bin/jaximpact predict $(OUT)/$$study calibration/$$study/left_out.csv \
+	            --out $(OUT)/$$study-left-out.csv; \
+	    fi; \
 	done
 
 # A file's tests share what they compile, so a file stays with one of the two workers. Files
