@@ -96,9 +96,9 @@ class ProgressLines(Progress):
 
 
 @contextlib.contextmanager
-def showing(progress: ProgressChoice) -> Iterator[None]:
+def showing(progress: ProgressChoice, delay: float = 2.0) -> Iterator[None]:
     """Have what a user gave listen to the work inside; with None whoever listens
-    already does, or else lines on stderr once it has taken two seconds.
+    already does, or else lines on stderr once it has taken so many seconds.
 
     Raises InputError for what is no function.
     """
@@ -109,8 +109,9 @@ def showing(progress: ProgressChoice) -> Iterator[None]:
             f"progress must be a function, True or False, but is {progress!r}"
         )
     if progress is None and listening() is SILENT:
-        with ProgressLines(delay=2.0) as lines, reporting_to(lines):
+        with ProgressLines(delay) as lines, reporting_to(lines):
             yield
     else:
-        with reporting_to(SILENT if progress is False else progress):
+        # Silence that was asked for is another one than that of nobody who listens.
+        with reporting_to(Progress() if progress is False else progress):
             yield

@@ -1,6 +1,7 @@
 """The native backend: the model in machine code, for lanes on a CPU."""
 
 import concurrent.futures
+import contextlib
 import contextvars
 import functools
 import hashlib
@@ -9,7 +10,7 @@ import os
 import pickle
 import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ from ..identity import clear_when_edited, described, heed_edits, tracing, users_
 from ..impact.events import Outcome
 from ..impact.problem import Assembly
 from ..impact.results import empty_summary
+from ..progress import tell
+from ..progress_lines import showing
 from ..store import kept
 from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_objects
 
@@ -31,6 +34,7 @@ keep_objects(kept)
 MOST_DIRECTIONS = 3
 """Derivatives that share a run of an impact. Each costs some three quarters of the
 value; more of them take longer to compile than they save."""
+_COMPILING = threading.Lock()
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
 """Environment variable; where it is set, XLA does not stand in for machine code."""
 
@@ -97,14 +101,16 @@ def compile_native(
     """
     directions = MOST_DIRECTIONS if differentiated else 0
 
+    structure = assembly.structure
+    tree = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+
     def compile_lanes() -> Code:
         # It loads diffrax, which takes a while.
         from .lane_functions import code_of_lanes
 
-        return code_of_lanes(assembly, directions, sampled)
+        with _telling_how_long(differentiated, users_code(tree)):
+            return code_of_lanes(assembly, directions, sampled)
 
-    structure = assembly.structure
-    tree = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
     what = assembly._replace(structure=None), directions, sampled
     code = kept_code(what, tree, compile_lanes)
     numbers = empty_summary(assembly.ledger)
@@ -121,6 +127,29 @@ def compile_native(
         RETRIES,
     )
     return Kernel(code, jax.tree.structure(results), retries)
+
+
+@contextlib.contextmanager
+def _telling_how_long(differentiated: bool, of_user: bool) -> Iterator[None]:
+    """Tell that code is compiled, and how long that takes; of kernels that are compiled
+    at once, the first one tells it."""
+    if not _COMPILING.acquire(blocking=False):
+        yield
+        return
+    try:
+        # Code of a user's law is traced by each process, and LLVM's part is kept.
+        low, high = (1 if of_user else 3, 6)
+        what = "values"
+        if differentiated:
+            low, high, what = (1 if of_user else 5, 10, "derivatives")
+        with showing(None, delay=0.0):
+            tell(
+                f"compiling machine code for {what}, once: {low} to {high} s on two "
+                "idle cores"
+            )
+            yield
+    finally:
+        _COMPILING.release()
 
 
 def compile_side_by_side(
