@@ -108,7 +108,7 @@ def compile_native(
         # It loads diffrax, which takes a while.
         from .lane_functions import code_of_lanes
 
-        with _telling_how_long(differentiated, users_code(tree)):
+        with _telling_how_long(differentiated, bool(users_code(tree))):
             return code_of_lanes(assembly, directions, sampled)
 
     what = assembly._replace(structure=None), directions, sampled

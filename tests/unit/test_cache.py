@@ -284,11 +284,12 @@ def test_a_command_warns_in_one_line_and_goes_on(place, folder, capsys):
         place(JAXIMPACT_CACHE_DIR="{}/link")
     open_cache.cache_clear()
     assert main(["simulate", "scene.toml", "--json"]) == 0
-    err = capsys.readouterr().err
-    assert (
-        err
-        == f"jaximpact: warning: compiled code is not kept: {folder}/link is a link\n"
-    )
+    # What was not kept is compiled, unless this process has it.
+    lines = capsys.readouterr().err.splitlines()
+    said = [line for line in lines if not line.startswith("compiling machine code")]
+    assert said == [
+        f"jaximpact: warning: compiled code is not kept: {folder}/link is a link"
+    ]
 
 
 def test_a_full_disk_costs_time_only(cache, monkeypatch):
