@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..io.files import read_text
 from ..parameters import Part
 from .comparison.fitted_law import SIMPLE_LAWS, FittedLaw, law_of_json
+from .diagnostics.discrepancy import Discrepancy, discrepancy_of_json
 from .diagnostics.posterior import FEWEST
 from .problem.config import Variant
 from .problem.expressions import Tied
@@ -56,6 +57,8 @@ class FittedVariant(NamedTuple):
     """Degrees of freedom of each target."""
     accuracy: Accuracy
     """Accuracy of the impacts that the draws need."""
+    discrepancy: Discrepancy | None = None
+    """Error of the model outside the fitted tests; None where it is unknown."""
 
     @property
     def trusted(self) -> bool:
@@ -219,4 +222,6 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
         inflation=entry["uncertainty"]["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
+        # Older files have none.
+        discrepancy=discrepancy_of_json(entry.get("discrepancy")),
     )

@@ -5,7 +5,8 @@ scatter: the sigma of the fit, times the root of its inflation. Where sigmas wer
 to the fit, a sigma in the table of the new tests replaces it; where the scatter was
 estimated it follows Student's distribution with the degrees of freedom left. Scatter
 estimated as a fraction of the value is that fraction of the draws' median. Results
-that are never negative (`NEVER_NEGATIVE`) scatter on the scale of their logarithm.
+that are never negative (`NEVER_NEGATIVE`) scatter on the scale of their logarithm. Away
+from the fitted tests the discrepancy of the model (`diagnostics.discrepancy`) is added.
 
 A nuisance parameter of a group that the fit knows has the fit's values; that of another
 group is sampled from its prior, once for each group and draw.
@@ -24,6 +25,7 @@ from ..progress import tell, within
 from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE
 from .comparison.fitted_law import LawPrediction, predict_simple
+from .diagnostics.discrepancy import freedom_of_sum
 from .diagnostics.predictive import Predictive, predictive
 from .diagnostics.residuals import rms
 from .diagnostics.uncertainty import CONFIDENCE
@@ -81,6 +83,8 @@ class VariantPrediction(NamedTuple):
     high_95: np.ndarray
     sigma: np.ndarray
     """Standard deviation of the scatter; 0 where it is unknown."""
+    discrepancy: np.ndarray
+    """Standard deviation of the discrepancy of the model; 0 where it is unknown."""
     missing_part: np.ndarray
     """Weight of the draws without a result."""
     crps: np.ndarray
@@ -242,15 +246,22 @@ def predict_variant(
     at_draws = objective.at(fitted.accuracy).values(draws)
     predicted, ends = at_draws.predicted, at_draws.outcomes
     outcomes = at_best.outcomes[0]
-    sigma, freedom = scatter(study, fitted, predicted, weights)
+    sigma, of_sigma = scatter(study, fitted, predicted, weights)
+    apart, of_apart = np.zeros(sigma.shape), 1.0
+    if (discrepancy := fitted.discrepancy) is not None:
+        count, of_apart = len(ground.targets), discrepancy.freedom
+        best_values = at_best.predicted[0, :, :count]
+        apart[:, :count] = discrepancy.deviation(study.tests, study.soil, best_values)
+    freedom = freedom_of_sum(sigma, of_sigma, apart, of_apart)
     return VariantPrediction(
         fitted=fitted,
         outcomes=[str(Outcome(int(code))) for code in outcomes],
         outcome_share=weights @ (ends == outcomes),
         best=at_best.predicted[0],
         sigma=sigma,
+        discrepancy=apart,
         missing_part=np.einsum("d,drt->rt", weights, ~np.isfinite(predicted)),
-        **_of_cells(study, ground, weights, predicted, sigma, freedom),
+        **_of_cells(study, ground, weights, predicted, sigma, apart, freedom),
     )
 
 
@@ -282,7 +293,7 @@ def scatter(
     return sigma, freedom
 
 
-def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
+def _of_cells(study, ground, weights, predicted, sigma, apart, freedom) -> dict:
     shape = study.measured.shape
     names = *OF_MODEL, *OF_MEASUREMENT, "crps", "mean_crps", "limit_chance"
     cells = {name: np.full(shape, np.nan) for name in names}
@@ -297,7 +308,12 @@ def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
             continue
         positive = study.targets[target] in NEVER_NEGATIVE
         of_one = predictive(
-            values, weights, sigma[cell], freedom[target], positive=positive
+            values,
+            weights,
+            sigma[cell],
+            freedom[cell],
+            discrepancy=apart[cell],
+            positive=positive,
         )
         assert of_one is not None  # the model has a value
         for distribution, parts in ((model, OF_MODEL), (of_one, OF_MEASUREMENT)):

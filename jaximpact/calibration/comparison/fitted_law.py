@@ -9,6 +9,13 @@ import numpy as np
 from ...errors import InputError
 from ...progress import tell
 from ...quantities import NEVER_NEGATIVE
+from ..diagnostics.discrepancy import (
+    Discrepancy,
+    discrepancy_of_json,
+    estimate_discrepancy,
+    freedom_of_sum,
+    scale_of,
+)
 from ..diagnostics.posterior import variances
 from ..diagnostics.predictive import Predictive, predictive
 from ..diagnostics.uncertainty import (
@@ -56,11 +63,8 @@ class FittedLaw(NamedTuple):
     freedom: np.ndarray
     """Degrees of freedom of each sigma, shape (targets,); infinite where it is
     given."""
-
-    def sigma_of(self, predicted: np.ndarray) -> np.ndarray:
-        """Compute the standard deviation of measurements about predictions."""
-        sizes = np.maximum(np.abs(predicted), self.least_size)
-        return self.sigma * np.where(np.isinf(self.least_size), 1.0, sizes)
+    discrepancy: Discrepancy | None
+    """Error of the law outside the fitted tests; None where it is unknown."""
 
     def as_json(self) -> dict:
         """Collect the numbers for fit.json."""
@@ -69,6 +73,7 @@ class FittedLaw(NamedTuple):
 
 def law_of_json(entry: dict) -> FittedLaw:
     """Make a fit of the numbers of fit.json."""
+    entry = {"discrepancy": None} | entry  # older files have none
     fields = {name: entry[JSON_NAMES.get(name, name)] for name in FittedLaw._fields}
     for name in ("unknowns", "targets"):
         fields[name] = tuple(fields[name])
@@ -77,6 +82,7 @@ def law_of_json(entry: dict) -> FittedLaw:
     for name in ("least_size", "freedom"):
         # What is infinite is None in the file.
         fields[name] = np.nan_to_num(fields[name], nan=np.inf, posinf=np.inf)
+    fields["discrepancy"] = discrepancy_of_json(fields["discrepancy"])
     return FittedLaw(**fields)
 
 
@@ -161,6 +167,7 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
             np.inf,
             np.maximum(freedom_of_targets(objective, points), 1.0),
         ),
+        discrepancy=estimate_discrepancy(objective, points, uncertainty),
     )
     return LawFit(objective, points, uncertainty, fitted)
 
@@ -173,9 +180,11 @@ class LawPrediction(NamedTuple):
     best: np.ndarray
     """Value of the law at its best fit."""
     deviation: np.ndarray
-    """Standard deviation of a measurement about it."""
+    """Standard deviation of a measurement about it, without the discrepancy."""
+    discrepancy: np.ndarray
+    """Standard deviation of the discrepancy of the law; 0 where it is unknown."""
     freedom: np.ndarray
-    """Degrees of freedom of the deviation, shape (targets,)."""
+    """Degrees of freedom of both."""
 
     def distribution(self, test: int, target: int) -> Predictive | None:
         """Make the distribution of one measurement; None where there is none."""
@@ -183,7 +192,8 @@ class LawPrediction(NamedTuple):
             values=self.best[test, target][None],
             weights=np.ones(1),
             sigma=float(self.deviation[test, target]),
-            freedom=float(self.freedom[target]),
+            freedom=float(self.freedom[test, target]),
+            discrepancy=float(self.discrepancy[test, target]),
             positive=self.targets[target] in NEVER_NEGATIVE,
         )
 
@@ -210,9 +220,15 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
     slope = bounds.slope(x)
     predicted = points.predicted[0]
     variance = variances(points.jacobian[0] / slope, covariance)
-    deviation = np.sqrt(fitted.sigma_of(predicted) ** 2 + variance)
+    sigma = scale_of(fitted.sigma, fitted.least_size, predicted)
+    deviation, apart = np.sqrt(sigma**2 + variance), np.zeros(predicted.shape)
+    of_apart = 1.0
+    if fitted.discrepancy is not None:
+        apart = fitted.discrepancy.deviation(study.tests, study.soil, predicted)
+        of_apart = fitted.discrepancy.freedom
+    freedom = freedom_of_sum(deviation, fitted.freedom, apart, of_apart)
     return LawPrediction(
-        fitted.name, fitted.targets, predicted, deviation, fitted.freedom
+        fitted.name, fitted.targets, predicted, deviation, apart, freedom
     )
 
 

@@ -85,7 +85,7 @@ def held_out(
     steps[refitted] = np.nan
     predicted, deviation = np.full((2, *known.shape), np.nan)
     density = np.zeros((len(sets), len(group)))
-    for rest in fits_without(objective, best, group, steps, best.x):
+    for rest in fits_without(objective, best, left, steps, best.x):
         predicted[rest.tests] = rest.points.predicted[0, rest.tests]
         deviation[rest.tests], density[:, rest.tests] = _predict(rest, sets)
     return HeldOut(density, predicted, deviation, int(np.sum(refitted)))

@@ -109,7 +109,7 @@ def leave_out_each(
     steps[fitted] = np.nan
     names = tuple(study.tests.name(test) for test in measured)
     with within("tests left out: "):
-        rests = fits_without(objective, points, group, steps, points.x)
+        rests = fits_without(objective, points, each & known, steps, points.x)
         return _left_out(objective, points, uncertainty, names, group, rests)
 
 
@@ -134,8 +134,9 @@ def leave_out_campaigns(
     # Four other ends: each costs a fit without each campaign.
     starts = points.x if ends is None else np.concatenate([points.x, ends[:4]])
     steps = np.full((len(names), points.x.shape[1]), np.nan)
+    left = group == np.arange(len(names))[:, None]
     with within("campaigns left out: "):
-        rests = fits_without(objective, points, group, steps, starts)
+        rests = fits_without(objective, points, left, steps, starts)
         return _left_out(objective, points, uncertainty, names, group, rests)
 
 
@@ -160,7 +161,7 @@ class Rest(NamedTuple):
 def fits_without(
     objective: Objective,
     points: Points,
-    group: np.ndarray,
+    left: np.ndarray,
     steps: np.ndarray,
     starts: np.ndarray,
 ) -> Iterator[Rest]:
@@ -168,14 +169,13 @@ def fits_without(
     moved by it with the model linearised.
 
     Args:
-        group: index of the group of each test, shape (tests,); -1 for none.
+        left: masks of the tests left out, shape (groups, tests).
         steps: linearised steps from the best fit, shape (groups, unknowns).
         starts: starting points of fits, shape (starts, unknowns).
     """
     coarser = objective.no_finer_than_sigmas()
-    for number, step in enumerate(steps):
+    for number, (tests, step) in enumerate(zip(left, steps, strict=True)):
         tell(f"{number} of {len(steps)} groups left out")
-        tests = group == number
         if np.all(np.isfinite(step)):
             rest, reason = objective.without(tests), Reason.converged
             predicted = points.predicted + points.jacobian @ step

@@ -13,6 +13,7 @@ from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
 from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
 from .cross_validation import in_words as cross_validation_in_words
+from .discrepancy import Discrepancy, estimate_discrepancy
 from .further_tests import Suggestions, suggest_tests
 from .importance_sampling import COUNT, check
 from .jumps import MOST_NAMED
@@ -54,6 +55,8 @@ class Examination(NamedTuple):
     """Cross-validation test by test; None for a study of one test."""
     campaigns: LeftOut | None
     """Cross-validation campaign by campaign; None where there is only one."""
+    discrepancy: Discrepancy | None
+    """Error of the model outside the fitted tests; None where it is unknown."""
     single: Suggestions
     """Further tests that measure one result each."""
     together: Suggestions
@@ -122,6 +125,7 @@ def _examine(
         bands=bands_of(objective, best, inflation),
         each=each,
         campaigns=campaigns,
+        discrepancy=estimate_discrepancy(*fit),
         single=single,
         together=together,
         samples=samples,

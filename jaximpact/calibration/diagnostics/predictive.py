@@ -1,4 +1,5 @@
-r"""Predictive distributions: the model at each draw plus the scatter of measurements.
+r"""Predictive distributions: the model at each draw plus the scatter of measurements,
+and the discrepancy of the model.
 
 A distribution is held as weighted atoms: the value of each draw plus equally probable
 values of the scatter. Forecasts are judged by the continuous ranked probability score
@@ -58,6 +59,7 @@ def predictive(
     sigma: float,
     freedom: float = np.inf,
     *,
+    discrepancy: float = 0.0,
     positive: bool = False,
 ) -> Predictive | None:
     """Make the distribution of a measurement; None where no draw has a value.
@@ -66,11 +68,12 @@ def predictive(
         values: value of the model at each draw; NaN where there is none.
         weights: weights of the draws.
         sigma: standard deviation of the scatter; 0 for the value of the model itself.
-        freedom: degrees of freedom from which sigma was estimated; the scatter then
-            follows Student's distribution.
+        freedom: degrees of freedom from which sigma and discrepancy were estimated;
+            both then follow Student's distribution.
+        discrepancy: standard deviation of the discrepancy; counts only beside a sigma.
         positive: whether a measurement is never negative; its logarithm scatters then,
             and the value of the model and sigma are mean and standard deviation of the
-            lognormal distribution.
+            lognormal distribution. The discrepancy widens it about the same median.
     """
     there = np.isfinite(values) & (weights > 0.0)
     if not np.any(there):
@@ -82,7 +85,9 @@ def predictive(
         middle, spread = atoms[:, None], sigma
         if positive:
             middle, spread = _logarithm(middle, sigma)
-        atoms = (middle + spread * scatter).ravel()
+            if discrepancy > 0.0:
+                discrepancy = _logarithm(atoms[:, None], discrepancy)[1]
+        atoms = (middle + np.hypot(spread, discrepancy) * scatter).ravel()
         atoms = np.exp(atoms) if positive else atoms
         weights = np.repeat(weights, PLACES)
     order = np.argsort(atoms, kind="stable")

@@ -249,6 +249,7 @@ def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
         "draws": _draws(variant, diagnostics.posterior),
         "posterior": None if samples is None else _samples(variant, samples),
         "left_out": {"test": diagnostics.each, "campaign": diagnostics.campaigns},
+        "discrepancy": diagnostics.discrepancy,
         "further_tests": {
             what: {name: getattr(suggestions, name) for name in SUGGESTED}
             for what, suggestions in further.items()

@@ -13,6 +13,7 @@ from ...reports.json_tree import json_text, plain
 from ...reports.tables import Table, listed
 from ..comparison.fitted_law import LawPrediction
 from ..diagnostics.cross_validation import too_few
+from ..diagnostics.discrepancy import in_words
 from ..diagnostics.predictive import predictive
 from ..diagnostics.residuals import rms
 from ..diagnostics.uncertainty import CONFIDENCE
@@ -25,8 +26,8 @@ MOST_NAMES = 6
 CSV_COLUMNS = (
     *("variant", "row", "test", "outcome", "outcome_share", "target", "limit"),
     *("measured", "best_fit", "predicted", "low_50", "high_50", "low_95", "high_95"),
-    *("model_low", "model_high", "sigma", "without_result", "crps", "mean_crps"),
-    *("limit_chance", "outside"),
+    *("model_low", "model_high", "sigma", "discrepancy", "without_result", "crps"),
+    *("mean_crps", "limit_chance", "outside"),
 )
 
 
@@ -116,6 +117,7 @@ def remarks_on(
             lines.append(
                 f"The scatter of {name} is {part:.3g} % of the value predicted."
             )
+    lines += _about_discrepancy(variant)
     unknown = [
         name
         for target, name in enumerate(prediction.targets)
@@ -133,6 +135,20 @@ def remarks_on(
             "5 % of the draws have another one."
         )
     return lines
+
+
+def _about_discrepancy(variant: VariantPrediction) -> list[str]:
+    """Say how much of the intervals is discrepancy, and what it was estimated from."""
+    words, there = in_words(variant.fitted.discrepancy), variant.sigma > 0.0
+    if variant.fitted.discrepancy is None or not np.any(there):
+        return [words]
+    square = variant.discrepancy[there] ** 2
+    part = 100.0 * square / (square + variant.sigma[there] ** 2)
+    return [
+        f"Discrepancy is {np.min(part):.0f} to {np.max(part):.0f} % of the variance of "
+        "a measurement about the model.",
+        words,
+    ]
 
 
 def _about_undetermined(
@@ -306,8 +322,9 @@ def prediction_table(prediction: PredictedTests) -> Table:
         columns = (
             *(prediction.measured, variant.best, variant.middle, variant.low_50),
             *(variant.high_50, variant.low_95, variant.high_95, variant.model_low),
-            *(variant.model_high, variant.sigma, variant.missing_part, variant.crps),
-            *(variant.mean_crps, variant.limit_chance),
+            *(variant.model_high, variant.sigma, variant.discrepancy),
+            *(variant.missing_part, variant.crps, variant.mean_crps),
+            variant.limit_chance,
         )
         rows += [
             (
