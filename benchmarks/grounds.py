@@ -84,8 +84,7 @@ def study_of_campaign(campaign: str, ground: Ground):
         tests = CALIBRATION / campaign / "tests.csv"
         soil = read_study(CALIBRATION / campaign / "study.toml").soil
     fit = "c_v", "gamma_v", "k_E", *ground.more
-    others = dict.fromkeys(("block", "targets", "sigma", "scatter", "seed"))
-    return study_given(tests, fit, soil | ground.laws, **others)
+    return study_given(tests, fit, soil | ground.laws)
 
 
 if __name__ == "__main__":

@@ -63,7 +63,7 @@ def _compared(truth: str, seed: int, tests: int, starts: int):
     from jaximpact.calibration.comparison.comparison import compare_study
 
     columns = _campaign(truth, np.random.default_rng((seed, *truth.encode())), tests)
-    study = study_given(columns, *(None,) * 7)
+    study = study_given(columns)
     study = dataclasses.replace(study, starts=starts)
     found = Comparison(compare_study(study, list(TRUTHS)))
     name = next(law for law in found.laws if truth in law)
@@ -88,7 +88,7 @@ def _campaign(truth: str, random: np.random.Generator, tests: int) -> dict:
         "speed_mps": random.uniform(3.0, 20.0, tests),
     }
     empty = columns | {name: np.ones(tests) for name in TARGETS}
-    study = study_given(empty, *(None,) * 7)
+    study = study_given(empty)
     (contender,) = contenders_of([truth], study)
     objective = objective_of(study, contender)
     values = np.array([*TRUTHS[truth].values()])

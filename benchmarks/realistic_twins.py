@@ -104,7 +104,7 @@ class Twin:
             for name, (low, high) in BOUNDS.items()
         }
         scatter = None if stated else "proportional"
-        return study_given(table, fit, None, None, None, None, scatter, 0)
+        return study_given(table, fit, scatter=scatter, seed=0)
 
 
 jax.config.update("jax_enable_x64", True)

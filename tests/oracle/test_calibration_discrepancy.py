@@ -14,6 +14,7 @@ from jaximpact.calibration.diagnostics.discrepancy import (
     freedom_of_sum,
     in_words,
     kriging,
+    kriging_variance,
     places_of,
     thirds,
 )
@@ -56,6 +57,8 @@ def test_kriging_is_the_conditional_covariance_of_the_field():
     expected = covariance(places, places) - known
     # The nugget moves it by some 1e-6.
     np.testing.assert_allclose(kriging(places, tests), expected, atol=1e-4)
+    variance = kriging_variance(places, tests)
+    np.testing.assert_allclose(variance, np.diag(kriging(places, tests)), rtol=1e-9)
 
 
 def test_a_test_that_stands_twice_counts_once():

@@ -68,7 +68,9 @@ class FittedLaw(NamedTuple):
 
     def as_json(self) -> dict:
         """Collect the numbers for fit.json."""
-        return {JSON_NAMES.get(n, n): value for n, value in self._asdict().items()}
+        tree = {JSON_NAMES.get(n, n): value for n, value in self._asdict().items()}
+        apart = self.discrepancy
+        return tree | {"discrepancy": None if apart is None else apart._asdict()}
 
 
 def law_of_json(entry: dict) -> FittedLaw:

@@ -78,8 +78,8 @@ class Discrepancy(NamedTuple):
             fixed: values that are in no table, as for `Measurements.columns`.
             predicted: predictions of the targets, shape (tests, targets).
         """
-        variance = np.diag(kriging(places_of(tests, fixed), self.places))
-        apart = self.factor * np.sqrt(np.maximum(variance, 0.0))
+        variance = kriging_variance(places_of(tests, fixed), self.places)
+        apart = self.factor * np.sqrt(variance)
         return apart[:, None] * scale_of(self.scatter, self.least_size, predicted)
 
 
@@ -134,7 +134,7 @@ def estimate_discrepancy(
     if not parts:
         return None
     # A test left out several times is no more than one.
-    factor, freedom = _factor(parts, 1.0 / np.mean(times[times > 0]))
+    factor, freedom = _factor(parts, 1.0 / float(np.mean(times[times > 0])))
     measured = np.any(study.known, axis=1)
     return Discrepancy(
         factor=factor,
@@ -250,15 +250,29 @@ def thirds(places: np.ndarray, measured: np.ndarray) -> dict[str, np.ndarray]:
 def kriging(places: np.ndarray, fitted: np.ndarray) -> np.ndarray:
     """Compute the covariance over s^2 of the discrepancy at places, shape (places,
     places), that is 0 at the fitted ones."""
+    beside, weights = _kriging_system(places, fitted)
+    return -_half_variance(places, places) - beside.T @ weights
 
-    def half_variance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return 0.5 * np.linalg.norm(a[:, None] - b, axis=-1) ** POWER
 
+def kriging_variance(places: np.ndarray, fitted: np.ndarray) -> np.ndarray:
+    """Compute the diagonal of `kriging` alone, shape (places,)."""
+    beside, weights = _kriging_system(places, fitted)
+    return np.maximum(-np.sum(beside * weights, axis=0), 0.0)
+
+
+def _kriging_system(
+    places: np.ndarray, fitted: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Set up and solve the equations of ordinary kriging: right-hand sides and weights,
+    shape (fitted + 1, places)."""
     fitted = np.unique(fitted, axis=0)
     count = len(fitted)
     matrix = np.ones((count + 1, count + 1))
-    matrix[:count, :count] = -half_variance(fitted, fitted) + NUGGET * np.eye(count)
+    matrix[:count, :count] = -_half_variance(fitted, fitted) + NUGGET * np.eye(count)
     matrix[count, count] = 0.0
-    beside = np.vstack([-half_variance(fitted, places), np.ones(len(places))])
-    known = beside.T @ np.linalg.solve(matrix, beside)
-    return -half_variance(places, places) - known
+    beside = np.vstack([-_half_variance(fitted, places), np.ones(len(places))])
+    return beside, np.linalg.solve(matrix, beside)
+
+
+def _half_variance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return 0.5 * np.linalg.norm(a[:, None] - b, axis=-1) ** POWER

@@ -85,9 +85,10 @@ def predictive(
         middle, spread = atoms[:, None], sigma
         if positive:
             middle, spread = _logarithm(middle, sigma)
-            if discrepancy > 0.0:
-                discrepancy = _logarithm(atoms[:, None], discrepancy)[1]
-        atoms = (middle + np.hypot(spread, discrepancy) * scatter).ravel()
+        apart = discrepancy
+        if positive and discrepancy > 0.0:
+            apart = _logarithm(atoms[:, None], discrepancy)[1]
+        atoms = (middle + np.hypot(spread, apart) * scatter).ravel()
         atoms = np.exp(atoms) if positive else atoms
         weights = np.repeat(weights, PLACES)
     order = np.argsort(atoms, kind="stable")

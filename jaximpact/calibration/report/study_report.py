@@ -9,7 +9,7 @@ import numpy as np
 from ...quantities import TARGET_COLUMNS
 from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ..comparison.comparison import Compared
-from ..diagnostics import cross_validation, further_tests, residuals
+from ..diagnostics import cross_validation, discrepancy, further_tests, residuals
 from ..diagnostics.examination import Examination, warnings_of
 from ..diagnostics.residuals import varying_inputs
 from ..diagnostics.results import StudyResult, VariantResult
@@ -137,6 +137,7 @@ def _sections(
                 table,
             ],
         )
+    yield "Discrepancy", [discrepancy.in_words(diagnostics.discrepancy)]
     yield "Further tests", _further(diagnostics)
     words = (
         f"{contents.search_in_words(variant)}. Each row is a fit from one of the best "
