@@ -2,14 +2,16 @@
 
     python -m benchmarks.predicted_coverage [--campaigns 40] [--first 0] [--starts 4]
         [--noise proportional|constant] [--targets v_n_mps,v_t_mps] [--spread even|log]
+        [--beyond]
 
 A campaign is 15 impacts of 500 kg on the usual ground at 10 to 70 degrees and 2 to 30
 m/s, evenly spread or in the logarithm of the speed, with noise of 3 % of each value, or
 of 3 % of the target's root mean square. c_v, gamma_v and k_E are fitted three times:
 with scatter estimated as constant, as proportional, and with sigmas of 3 % of each
 measurement stated. 20 further impacts of the same range are predicted, and measured
-with the same noise. Told are the measurements inside, of all, and of the third of least
-and of largest values in each campaign; and the median width over the value.
+with the same noise; with `--beyond` of 30 to 60 m/s. Told are the measurements inside,
+of all, and of the third of least and of largest values in each campaign; and the median
+width over the value.
 """
 
 import argparse
@@ -34,13 +36,14 @@ def main() -> None:
     parser.add_argument("--noise", choices=noises, default=noises[0])
     parser.add_argument("--targets", default="v_n_mps,v_t_mps")
     parser.add_argument("--spread", choices=("even", "log"), default="even")
+    parser.add_argument("--beyond", action="store_true")
     arguments = parser.parse_args()
     targets, begin = arguments.targets.split(","), time.perf_counter()
     kinds = *noises, "stated"
     rows, parts, skipped = {kind: [] for kind in kinds}, [], 0
     for seed in range(arguments.first, arguments.first + arguments.campaigns):
         random = np.random.default_rng(seed)
-        columns, truth = _impacts(random, targets, arguments.spread)
+        columns, truth = _impacts(random, targets, arguments.spread, arguments.beyond)
         scale = np.abs(truth)
         if arguments.noise == "constant":
             scale = np.broadcast_to(np.sqrt(np.mean(truth**2, axis=0)), truth.shape)
@@ -82,7 +85,7 @@ def _print(kind, rows, targets) -> None:
         )
 
 
-def _impacts(random, targets, spread):
+def _impacts(random, targets, spread, beyond):
     """Columns of all impacts, and what the model gives for them."""
     from jaximpact.calibration.arguments import table_given
     from jaximpact.calibration.problem.config import study_of
@@ -94,6 +97,8 @@ def _impacts(random, targets, spread):
     speeds = random.uniform(low, high, count)
     if spread == "log":
         speeds = np.exp(random.uniform(np.log(low), np.log(high), count))
+    if beyond:
+        speeds[TESTS:] = random.uniform(high, 2.0 * high, NEW)
     columns = {"mass_kg": np.full(count, MASS), "speed_mps": speeds}
     columns["angle_deg"] = random.uniform(*ANGLES, count)
     nothing = columns | {name: np.ones(count) for name in targets}
@@ -168,6 +173,7 @@ def _fit_and_predict(study, columns, measured, targets):
 
 def _fitted(study, targets):
     """The variant as it is fitted, and r of each target."""
+    from jaximpact.calibration.diagnostics.discrepancy import estimate_discrepancy
     from jaximpact.calibration.diagnostics.importance_sampling import (
         draw,
         weights_of,
@@ -210,6 +216,7 @@ def _fitted(study, targets):
         inflation=uncertainty.inflation,
         freedom=by_target(freedom_of_targets(objective, points)),
         accuracy=draws.accuracy,
+        discrepancy=estimate_discrepancy(objective, points, uncertainty),
     )
     return fitted, parts
 
