@@ -4,13 +4,14 @@
 
 Of every study of `calibration/` with six tests or more, of the golf balls of
 `e_n_against_speed`, and of golf balls at nine speeds and four angles after the same
-author, with noise of 7 % in e_n and 5 % in e_t, these are left out in turn: the third of
-the largest and of the smallest speeds, sizes and angles, every other test, and each
-campaign where there are several. Grounds of the model, and laws of rebound where they predict a target, are
-fitted to the rest and predict what was left out. Told are, of each campaign and law,
-root mean square error (of coefficients absolute, of other results relative to the
-measurement), mean log score, and how many measurements lie in the intervals of 95 %,
-with discrepancy and without. The file goes on where it was interrupted.
+author, with noise of 7 % in e_n and 5 % in e_t, these are left out in turn: the third
+of the largest and of the smallest speeds, sizes and angles, every other test, and each
+campaign where there are several. Grounds of the model, and laws of rebound where they
+predict a target, are fitted to the rest and predict what was left out. Told are, of
+each campaign and law, root mean square error (of coefficients absolute, of other
+results relative to the measurement), mean log score, and how many measurements lie in
+the intervals of 95 %, with discrepancy and without. The file goes on where it was
+interrupted.
 """
 
 import argparse
