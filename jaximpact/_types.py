@@ -16,7 +16,11 @@ class Shown(NamedTuple):
         return self.text
 
 
-Scalar = Float[Array, ""]
+if TYPE_CHECKING:
+    # Editors read constructors of laws off their fields, which take plain numbers too.
+    Scalar = Any
+else:
+    Scalar = Float[Array, ""]
 """One number as a float64 array of JAX; inside `vmap` one for each lane."""
 Flag = Bool[Array, ""]
 """One truth value as an array of JAX."""

@@ -10,7 +10,7 @@ import functools
 import inspect
 import math
 import warnings
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast, dataclass_transform
 
 import equinox as eqx
 import jax
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     class Module:
         """Signature of `equinox.Module` for type checkers.
 
-        They would derive the constructor from the fields, which hold float64 arrays; it
-        takes whatever `real_numbers` takes, and parameters of parts by their names.
+        The constructor of a composite takes parameters of parts by their names too;
+        that of a part they read off its fields.
         """
 
         __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
@@ -263,6 +263,7 @@ def _own_rows(whole: "Part | Composite") -> list[Row]:
     ]
 
 
+@dataclass_transform()
 class Part(Module):
     """A law or a shape: one replaceable part of a `Composite`, with own parameters.
 

@@ -73,8 +73,8 @@ class AbstractShape(Part):
     """
 
     if TYPE_CHECKING:  # parameters that every shape declares
-        aspect_ratio: Scalar
-        out_of_plane_ratio: Scalar
+        aspect_ratio: Scalar = ...
+        out_of_plane_ratio: Scalar = ...
 
     most_slender: ClassVar[float | None] = 100.0
     """Largest ratio of the foundation's sizes in the correction J_s of the stiffness,

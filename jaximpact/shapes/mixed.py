@@ -106,7 +106,8 @@ def mixed(*kinds: type[AbstractShape]) -> type[MixedShapes]:
         for name, declared in _declared(kinds).items()
     }
     names = ", ".join(f"{kind.__module__}.{kind.__qualname__}" for kind in kinds)
-    return type(MixedShapes)(
+    metaclass: Any = type(MixedShapes)
+    return metaclass(
         MixedShapes.__name__,
         (MixedShapes,),
         fields
