@@ -15,6 +15,7 @@ from jaximpact import Block, Impact, Soil, simulate
 from jaximpact.accuracy import get_accuracy
 from jaximpact.batch import broadcast_scene, compute_part, summary_of
 from jaximpact.cli import main
+from jaximpact.errors import InputError
 from jaximpact.laws import DeepestPoint, WorkConjugate
 from jaximpact.runout import (
     Profile,
@@ -201,6 +202,9 @@ def test_numbers_that_differ_are_marked_wherever_they_stand(folder, capsys):
     rows = rows_of(folder / "out/barriers.csv")
     assert all(row["second_run_value"] for row in rows)
     marked = [r for r in rows if r["second_run_differs"]]
+    (net,) = manifest["barriers"]
+    assert net["differs"] == [row["quantity"] for row in marked]
+    assert net["second_run"].keys() == net["estimates"].keys()
     for row in rows:
         ends = [
             tuple(float(row[f"{run}{end}"] or "nan") for end in ("low", "high"))
@@ -229,12 +233,33 @@ def test_an_interrupted_second_run_goes_on(both, tmp_path):
     journal = tmp_path / "blocks.journal"
     with pytest.raises(KeyboardInterrupt):
         run_slope_study(study, journal=journal, progress=interrupt)
+    with pytest.raises(InputError):
+        run_slope_study(study, journal=journal, second_run=False)
     told = []
     again = run_slope_study(
         study, journal=journal, progress=lambda done, total: told.append(done)
     )
     assert min(told) >= 40
     xr.testing.assert_identical(again, whole)
+
+
+def test_a_kinematics_of_ones_own_has_the_conjugate_one_beside_it(folder):
+    """With a random parameter, which the other does not have."""
+    (folder / "between.py").write_text(
+        "from jaximpact.laws import AbstractKinematics, Scalar, parameter\n"
+        "class Between(AbstractKinematics):\n"
+        "    share: Scalar = parameter(0.5, '-', '[0, 1]', 'share of the arm')\n"
+        "    def sinking_arm(self, foundation):\n"
+        "        low, middle = foundation.tangency_arm, foundation.tangential_arm\n"
+        "        return middle + self.share * (low - middle)\n"
+    )
+    ground = "[ground]\nkinematics = 'between.py:Between'\nshare = { from = 0, to = 1 }"
+    top = "count = 4\naccuracy = 'fast'\ncollectors_m = [60]"
+    dataset = run_slope_study(study_of(folder, ground, top=top))
+    second = json.loads(dataset.attrs["second_run"])["kinematics"]
+    assert second == "WorkConjugate"
+    assert dataset.arm_work_given_J.values.sum() > 0.0
+    assert dataset[f"{PREFIX}arm_work_given_J"].values.sum() == 0.0
 
 
 @pytest.mark.parametrize(

@@ -304,12 +304,21 @@ def estimate_table(
     return Table((*columns, *SECOND_COLUMNS), rows)
 
 
-def barriers_in_json(at_barriers: Sequence[BarrierEstimates]) -> list[dict]:
-    """Describe the barriers with their estimates, None for what is not known."""
-    return [
-        dict(zip(KEYS, of.place, strict=True)) | {"estimates": plain(of.estimates)}
-        for of in at_barriers
-    ]
+def barriers_in_json(
+    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
+) -> list[dict]:
+    """Describe the barriers with their estimates, None for what is not known, and those
+    by another kinematics with the names of the ones that differ."""
+    described = []
+    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    for of, here in zip(at_barriers, others, strict=True):
+        barrier = dict(zip(KEYS, of.place, strict=True))
+        barrier |= {"estimates": plain(of.estimates)}
+        if here:
+            apart = [name for name, e in of.estimates.items() if mark(e, here[name])]
+            barrier |= {"second_run": plain(here), "differs": apart}
+        described.append(barrier)
+    return described
 
 
 def effect_table(

@@ -106,9 +106,10 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     manifest = {"title": dataset.title} | _attributes(dataset)
     if study.settings.barriers:
         at_barriers = estimates_of(dataset)
-        table = estimate_table(at_barriers, other_estimates(dataset))
+        other = other_estimates(dataset)
+        table = estimate_table(at_barriers, other)
         write_text(new("barriers.csv"), table.csv())
-        manifest["barriers"] = barriers_in_json(at_barriers)
+        manifest["barriers"] = barriers_in_json(at_barriers, other)
     write_text(new("manifest.json"), json_text(manifest))
     return report
 

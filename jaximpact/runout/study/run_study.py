@@ -234,7 +234,8 @@ def run_slope_study(
     total = sum(len(part.blocks) for part in parts)
     opened = contextlib.nullcontext()
     if journal is not None:
-        opened = Journal(journal, _subject(study), columns, total)
+        subject = _subject(study) | {"second run": again is not None}
+        opened = Journal(journal, subject, columns, total)
     with computing(progress=progress, executor=executor), opened as kept:
         collector = Collector(len(columns), total, kept, "blocks")
         for part in parts:

@@ -60,7 +60,10 @@ def second_run_of(study: SlopeStudy) -> SecondRun | str:
     is_other = isinstance(ground.soil.kinematics, WorkConjugate)
     other = DeepestPoint() if is_other else WorkConjugate()
     soil = dataclasses.replace(ground.soil, kinematics=other)
-    return SecondRun(study._replace(ground=ground.with_soil(soil)), elongated)
+    # A kinematics of the user's may have random parameters, which the other has not.
+    inputs = study.inputs._replace(ground_samples={})
+    again = study._replace(ground=ground.with_soil(soil), inputs=inputs)
+    return SecondRun(again, elongated)
 
 
 def kinematics_of(study: SlopeStudy) -> str:
