@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from calibration_studies import Linear, study_of_columns
 from error_messages import assert_one_line
+from matplotlib.figure import Figure
 from scipy import stats
 from scipy.optimize import minimize_scalar
 
@@ -343,6 +344,10 @@ def test_the_law_that_made_the_tests_is_preferred(truth):
     assert (set(found.ties) == {REBOUND[0], REBOUND[2]}) == nested
     assert ("equally well" in repr(found)) == nested
     assert "0.02" in str(found.to_dataframe().loc[truth.words].round(2).to_list())
+    assert found.to_xarray().law.values.tolist() == list(found.laws)
+    axes = Figure().subplots()
+    assert found.plot(ax=axes) is axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(found.laws)
 
 
 def compared_with_model(tests, worse_by):
