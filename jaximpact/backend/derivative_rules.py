@@ -118,7 +118,7 @@ def solve_recorded(
     inputs = [*jax.tree.leaves(scene), accuracy.tolerance, accuracy.floor]
     results, samples = KernelSet([kernel]).record(np.array(inputs, float))
     numbers = jax.tree.unflatten(kernel.structure, list(results))
-    series = jax.tree.structure(empty_history(assembly.ledger))
+    series = jax.tree.structure(empty_history(assembly.ledger is True))
     return jax.device_put(numbers), jax.tree.unflatten(series, list(samples))
 
 
