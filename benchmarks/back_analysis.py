@@ -121,6 +121,7 @@ SOIL = """
 points_m = [[0, 60], [90, 5], [250, 0]]
 
 [ground]
+kinematics = "DeepestPoint"
 roughness_deg = 2
 
 [block]
