@@ -22,7 +22,7 @@ from .intervals import DIFFERS, is_apart, percentile_interval
 from .map_files import names_of_map_files, write_map_files
 from .report_page import other_estimates, slope_report
 from .run_study import PERCENTILES, simulate
-from .second_run import note, second_of
+from .second_run import kinematics_of, note, second_of
 from .slope_file import SlopeStudy
 
 STOP_COLUMNS = (
@@ -100,7 +100,10 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     write_text(new("report.html"), report.page())
     if len(study.settings.collectors):
         write_text(new("collectors.csv"), collector_table(dataset).csv())
-        figures["collectors"] = drawing.draw_collectors({dataset.title: dataset})
+        series = {dataset.title: dataset}
+        if (second := second_of(dataset)) is not None:
+            series = dict([(kinematics_of(study), dataset), second])
+        figures["collectors"] = drawing.draw_collectors(series)
     for name, figure in figures.items():
         save_figure(figure, new(f"{name}.png"))
     manifest = {"title": dataset.title} | _attributes(dataset)
