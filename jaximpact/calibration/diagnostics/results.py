@@ -78,10 +78,10 @@ class VariantResult(NamedTuple):
     def interval(self, index: int) -> tuple[float, float]:
         """Return the 95 % confidence interval of an identifiable parameter, in its
         unit: that of its profile, or of the standard error beside a jump, where the
-        profile leaves measurements out."""
+        profile leaves measurements out, or takes a jump for a limit."""
         profile = self.profiles[self.names[index]]
         low, high = profile.low_95, profile.high_95
-        beside_jump = self.errors_of_draws and np.any(self.jumps > NEAR)
+        beside_jump = np.any(self.jumps > NEAR)
         if beside_jump or low is None or high is None:
             return self.interval_of_error(index)
         return low, high

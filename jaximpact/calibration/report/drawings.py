@@ -246,9 +246,11 @@ def draw_profile(
     ends = profile.low_95, profile.high_95
     if variant.verdicts[index].determined:
         ends = variant.interval(index)
-        low, high = min(low, ends[0]), max(high, ends[1])
-    left, right = (low if ends[0] is None else ends[0]), ends[1]
-    axes.axvspan(left, high if right is None else right, color=GREY, alpha=0.15, lw=0)
+    # Where the interval has no end it reaches the bound.
+    left = bounds.lower if ends[0] is None else ends[0]
+    right = bounds.upper if ends[1] is None else ends[1]
+    low, high = min(low, left), max(high, right)
+    axes.axvspan(left, right, color=GREY, alpha=0.15, lw=0)
     # The signed root is nearly straight, so that its interpolation is smooth.
     side = np.sign(np.arange(len(along)) - np.argmin(profile.rise))
     root = PchipInterpolator(along, side * np.sqrt(np.maximum(profile.rise, 0.0)))

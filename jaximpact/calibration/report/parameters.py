@@ -80,6 +80,7 @@ def _missed(
     if missed:
         sentences.append(f"The model does not describe {' and '.join(missed)}.")
     missed += [bias.target for bias in biased]
+    little = [name for name in little if name not in missed]
     trends = dict.fromkeys(trend.target for trend in residuals.trends)
     if trends := [target for target in trends if target not in missed]:
         sentences.append(
