@@ -22,7 +22,9 @@ import numpy as np
 from scipy.special import bdtr, ndtr, ndtri, stdtr
 
 from ...quantities import CURVE_COLUMNS
-from ..estimation.sigma import freedom_of_targets
+from ..estimation.sigma import LEAST_PART, freedom_of_targets
+from ..problem.config import Study
+from ..problem.noise import root_mean_square
 from ..problem.objective import Objective, Points
 from .uncertainty import leverages
 
@@ -161,7 +163,7 @@ def _biases(objective: Objective, points: Points) -> list[Bias]:
             of_mean = 2.0 * float(stdtr(freedom[place], -ratio))
         material = abs(np.mean(u)) > LEAST_BIAS * np.sqrt(np.mean(u**2))
         # Less of the smallest sigmas is errors of the integration.
-        material &= bool(abs(np.mean(u)) > 0.1)
+        material &= bool(abs(np.mean(u)) > 0.1) and not _is_exact(study, place, apart)
         biases.append(
             Bias(
                 target=study.targets[place],
@@ -179,13 +181,23 @@ def _biases(objective: Objective, points: Points) -> list[Bias]:
     return biases
 
 
+def _is_exact(study: Study, place: int | np.integer, apart: np.ndarray) -> bool:
+    """Tell whether a fit misses a target by less than anything is measured to, where
+    nobody stated how well it was: numbers of the model itself, of another accuracy."""
+    size = float(root_mean_square(study.measured[:, place]))
+    least = LEAST_PART * size
+    return bool(not study.sigma_given[place] and np.sqrt(np.mean(apart**2)) < least)
+
+
 def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:
     from scipy.stats import rankdata, spearmanr
 
     study, all_trends, count = objective.study, [], 0
     for place, target in enumerate(study.targets):
         there = np.isfinite(values[:, place])
-        if not np.any(np.abs(values[there, place]) > 0.01):
+        apart = predicted[there, place] - study.measured[there, place]
+        small = not np.any(np.abs(values[there, place]) > 0.01)
+        if small or _is_exact(study, place, apart):
             continue  # errors of the integration
         against = varying_inputs(objective) | {"prediction": predicted[:, place]}
         for name, along in against.items():

@@ -247,8 +247,8 @@ def draw_profile(
     if variant.verdicts[index].determined:
         ends = variant.interval(index)
     # Where the interval has no end it reaches the bound.
-    left = bounds.lower if ends[0] is None else ends[0]
-    right = bounds.upper if ends[1] is None else ends[1]
+    left = float(bounds.lower) if ends[0] is None else ends[0]
+    right = float(bounds.upper) if ends[1] is None else ends[1]
     low, high = min(low, left), max(high, right)
     axes.axvspan(left, right, color=GREY, alpha=0.15, lw=0)
     # The signed root is nearly straight, so that its interpolation is smooth.

@@ -47,7 +47,11 @@ def verdict(
     if known:
         first = f"The tests identify {', '.join(known)}."
         if missed:
-            first = f"Best fit of this model all the same: {', '.join(known)}."
+            first = (
+                "So the model, the shape of the blocks or the data are wrong "
+                "somewhere, and the intervals do not include that error. Best fit all "
+                f"the same: {', '.join(known)}."
+            )
         elif little:
             first = (
                 f"If that is scatter of the tests, they identify {', '.join(known)}."
@@ -93,11 +97,6 @@ def _missed(
             f"The misfit is {np.sqrt(uncertainty.inflation):.2g} times as large as the "
             "given sigmas allow (reduced chi-square "
             f"{uncertainty.reduced_chi_square:.3g})."
-        )
-    if sentences:
-        sentences.append(
-            "So the model, the shape of the blocks or the data are wrong somewhere, "
-            "and the intervals below do not include that error."
         )
     of_little = [
         f"The fit explains less than half of the variance of {' and '.join(little)}."
