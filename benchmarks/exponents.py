@@ -79,25 +79,26 @@ def _exponents(columns, terms, rows, values) -> list[str]:
 
 
 def _draw(study, predicted: dict[str, np.ndarray], path: Path) -> None:
-    """Draw every target against the speed, or the angle where it varies more."""
+    """Draw every target along every term of which a line has three tests or more."""
     from jaximpact.plotting.style import curve, log_scale, panels, save_figure
     from jaximpact.quantities import TARGET_COLUMNS
 
     columns = study.tests.columns(study.soil)
-    axis = max(TERMS, key=lambda name: len(np.unique(columns[name])))
-    others = [columns[name] for name in TERMS if name != axis]
-    figure, all_axes = panels(1, len(study.targets), height=4.2)
-    for place, (axes, target) in enumerate(zip(all_axes, study.targets, strict=True)):
-        rows = study.exact[:, place]
+    drawn = [
+        (place, axis, lines)
+        for place in range(len(study.targets))
+        for axis in TERMS
+        if (lines := _lines(columns, axis, study.exact[:, place]))
+    ]
+    figure, all_axes = panels(1, len(drawn), height=4.2)
+    for axes, (place, axis, lines) in zip(all_axes, drawn, strict=True):
+        target = study.targets[place]
         for number, (name, values) in enumerate(predicted.items()):
             style = curve(number - 1) if number else dict(ls="", marker="o", color="k")
-            label = name
-            for other in np.unique(np.stack(others, axis=1)[rows], axis=0):
-                same = rows & np.all(np.stack(others, axis=1) == other, axis=1)
-                order = np.flatnonzero(same)[np.argsort(columns[axis][same])]
-                x, y = columns[axis][order], values[order, place]
+            for first, tests in enumerate(lines):
+                label = None if first else name
+                x, y = columns[axis][tests], values[tests, place]
                 axes.plot(x, y, label=label, zorder=10 - number, **style)
-                label = None
         unit = TARGET_COLUMNS[target].unit
         axes.set(xlabel=axis, ylabel=f"{target} [{unit}]")
         if not target.startswith("e_") and axis != "angle_deg":
@@ -105,6 +106,18 @@ def _draw(study, predicted: dict[str, np.ndarray], path: Path) -> None:
     handles, labels = all_axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=2)
     save_figure(figure, path)
+
+
+def _lines(columns, axis: str, rows) -> list[np.ndarray]:
+    """Find the tests that differ along an axis alone, in its order: those of three
+    values or more."""
+    others = np.stack([columns[name] for name in TERMS if name != axis], axis=1)
+    lines = []
+    for other in np.unique(others[rows], axis=0):
+        same = np.flatnonzero(rows & np.all(others == other, axis=1))
+        if len(np.unique(columns[axis][same])) >= FEWEST:
+            lines.append(same[np.argsort(columns[axis][same])])
+    return lines
 
 
 if __name__ == "__main__":

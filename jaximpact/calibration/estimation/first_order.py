@@ -103,6 +103,6 @@ def _stop(objective: Objective, points: Points, reasons: list) -> None:
 def _step_line(number: int, cost: np.ndarray, reasons: list[Reason | None]) -> str:
     """Say how far fits are, those without a reason to stop still going."""
     return (
-        f"step {number}: {reasons.count(None)} of {len(cost)} fits go on, lowest cost "
-        f"{np.min(cost):.6g}"
+        f"step {number}: {reasons.count(None)} of {len(cost)} fits not yet ended, "
+        f"lowest cost {np.min(cost):.6g}"
     )
