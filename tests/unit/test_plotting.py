@@ -1,16 +1,20 @@
 """The plot of one impact: every kind of outcome gives a figure, and files are whole."""
 
+import io
+
 import equinox as eqx
 import jax
 import matplotlib
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from PIL import Image
 
 from jaximpact import Block, Impact, Outcome, Soil, simulate
 from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline
-from jaximpact.plotting.style import plotted
+from jaximpact.plotting.style import COLOURS, plotted, png_bytes
+from jaximpact.plotting.style import panels as panels_of
 
 PANELS = ["contact force", "penetration", "rotation", "energy", "side view, to scale"]
 
@@ -120,6 +124,19 @@ def test_files_are_drawn_in_our_style_whatever_the_users_is(result, tmp_path):
         assert matplotlib.rcParams["text.usetex"]
     plain, styled = (tmp_path / f"{name}.png" for name in ("plain", "styled"))
     assert styled.read_bytes() == plain.read_bytes()
+
+
+def test_a_rare_colour_stays_what_it_is():
+    """Of 256 colours, with many lines of two others and their smooth edges."""
+    figure, (axes,) = panels_of()
+    rng = np.random.default_rng(0)
+    for number in range(30):
+        axes.plot(np.cumsum(rng.standard_normal(300)), color=COLOURS[number % 2])
+    axes.plot([0, 20], [-40, -40], color=COLOURS[3])
+    drawn = np.asarray(Image.open(io.BytesIO(png_bytes(figure))).convert("RGB"))
+    wanted = np.array([int(COLOURS[3][k : k + 2], 16) for k in (1, 3, 5)])
+    # A difference of 3 of 255 is not seen.
+    assert np.any(np.all(np.abs(drawn.astype(int) - wanted) <= 3, axis=-1))
 
 
 def test_unknown_format_leaves_no_file(result, tmp_path):
