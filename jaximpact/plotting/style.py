@@ -277,7 +277,7 @@ def png_bytes(figure: Figure) -> bytes:
     figure.savefig(drawn, format="png", dpi=DPI)
     image = Image.open(drawn).convert("RGB")
     # Of 256 colours a file has a third of its size with all of them. The usual method
-    # gives rare colours, a line in the legend that is hidden elsewhere, those of others.
+    # replaces rare ones, in a legend those of a line that others hide.
     way, dither = Image.Quantize.MAXCOVERAGE, Image.Dither.NONE
     few = image.quantize(256, way, dither=dither)
     few.save(file, format="png", dpi=(DPI, DPI), optimize=True)
