@@ -27,7 +27,6 @@ from .comparison.contenders import Law
 from .comparison.fitted_law import LawPrediction, predict_law
 from .diagnostics.predictive import Predictive
 from .diagnostics.uncertainty import CONFIDENCE
-from .problem.config import Study
 from .problem.dataset import Measurements, joined_tables
 from .problem.laws import scene_of
 from .problem.nuisance import entries_of, open_nuisances
@@ -111,7 +110,10 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
         censored=np.zeros(shape, int),
         sigma=np.ones(shape),
     )
-    laws = tuple(_predicted(law, new) for law in compared.laws)
+    laws = tuple(
+        predict_law(law.fitted.of_targets(study.targets), law.contender, new)
+        for law in compared.laws
+    )
     quantiles = np.full((3, *shape), np.nan)
     tail = (1.0 - CONFIDENCE) / 2.0
     for cell in np.ndindex(*shape):
@@ -119,19 +121,6 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
         if mixture is not None:
             quantiles[:, *cell] = [mixture.quantile(p) for p in (0.5, tail, 1.0 - tail)]
     return StackedPrediction(tests, study.targets, laws, compared.weights, *quantiles)
-
-
-def _predicted(law: ScoredLaw, study: Study) -> LawPrediction:
-    """Predict the targets of a study, which may be fewer than the law was fitted to."""
-    fitted = law.fitted
-    places = [fitted.targets.index(name) for name in study.targets]
-    fitted = fitted._replace(
-        targets=study.targets,
-        sigma=fitted.sigma[places],
-        least_size=fitted.least_size[places],
-        freedom=fitted.freedom[places],
-    )
-    return predict_law(fitted, law.contender, study)
 
 
 def _mixture(laws, weights: np.ndarray, cell) -> Predictive | None:

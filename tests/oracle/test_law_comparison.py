@@ -571,6 +571,11 @@ def test_grounds_on_all_targets_and_laws_of_rebound_on_theirs(tmp_path):
     new = {"mass_kg": [100.0], "speed_mps": [9.0]}
     assert found.predict(new).middle.shape == (1, 2)
     assert beside.predict(new).middle.shape == (1, 1)
+    whole = {law.name: law for law in found.predict(new).laws}
+    for law in beside.predict(new).laws:
+        if law.name in whole:
+            e_n_alone = whole[law.name].discrepancy[:, :1]
+            np.testing.assert_array_equal(law.discrepancy, e_n_alone)
     found.write(tmp_path / "out")
     lines = (tmp_path / "out" / "comparison.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 16 + 3 * 8

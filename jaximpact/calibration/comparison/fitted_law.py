@@ -66,6 +66,18 @@ class FittedLaw(NamedTuple):
     discrepancy: Discrepancy | None
     """Error of the law outside the fitted tests; None where it is unknown."""
 
+    def of_targets(self, targets: tuple[str, ...]) -> "FittedLaw":
+        """Return the fit as one that predicts some of its targets alone."""
+        places = [self.targets.index(name) for name in targets]
+        apart = self.discrepancy
+        return self._replace(
+            targets=targets,
+            sigma=self.sigma[places],
+            least_size=self.least_size[places],
+            freedom=self.freedom[places],
+            discrepancy=None if apart is None else apart.of_targets(places),
+        )
+
     def as_json(self) -> dict:
         """Collect the numbers for fit.json."""
         tree = {JSON_NAMES.get(n, n): value for n, value in self._asdict().items()}

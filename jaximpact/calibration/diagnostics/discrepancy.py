@@ -70,6 +70,12 @@ class Discrepancy(NamedTuple):
     """Value below which that is constant, shape (targets,); infinite where it is
     constant in any case."""
 
+    def of_targets(self, places: list[int]) -> "Discrepancy":
+        """Return the discrepancy of some targets, by their indices."""
+        return self._replace(
+            scatter=self.scatter[places], least_size=self.least_size[places]
+        )
+
     def deviation(self, tests: Measurements, fixed, predicted) -> np.ndarray:
         """Compute the standard deviation of the discrepancy of tests, shape (tests,
         targets).
