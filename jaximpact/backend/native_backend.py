@@ -35,6 +35,7 @@ MOST_DIRECTIONS = 3
 """Derivatives that share a run of an impact. Each costs some three quarters of the
 value; more of them take longer to compile than they save."""
 _COMPILING = threading.Lock()
+"""Held by the kernel that tells that code is compiled."""
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
 """Environment variable; where it is set, XLA does not stand in for machine code."""
 
@@ -138,10 +139,8 @@ def _telling_how_long(differentiated: bool, of_user: bool) -> Iterator[None]:
         return
     try:
         # Code of a user's law is traced by each process, and LLVM's part is kept.
-        low, high = (1 if of_user else 3, 6)
-        what = "values"
-        if differentiated:
-            low, high, what = (1 if of_user else 5, 10, "derivatives")
+        what, low, high = ("derivatives", 5, 10) if differentiated else ("values", 3, 6)
+        low = 1 if of_user else low
         with showing(None, delay=0.0):
             tell(
                 f"compiling machine code for {what}, once: {low} to {high} s on two "

@@ -274,12 +274,16 @@ class OtherEstimates(NamedTuple):
     kinematics: str
     at_barriers: Sequence[BarrierEstimates]
 
-    def beside(
-        self, at_barriers: Sequence[BarrierEstimates]
-    ) -> list[dict[str, Estimate]]:
-        """Give the estimates beside those of barriers, by their names."""
-        found = {barrier: estimates for barrier, estimates in self.at_barriers}
-        return [found[barrier] for barrier, _ in at_barriers]
+
+def estimates_beside(
+    other: OtherEstimates | None, at_barriers: Sequence[BarrierEstimates]
+) -> list[dict[str, Estimate]]:
+    """Return the estimates by another kinematics for each barrier, by their names;
+    empty where there is no other."""
+    if other is None:
+        return [{}] * len(at_barriers)
+    found = {barrier: estimates for barrier, estimates in other.at_barriers}
+    return [found[barrier] for barrier, _ in at_barriers]
 
 
 def mark(one: Estimate, other: Estimate) -> str:
@@ -292,7 +296,7 @@ def estimate_table(
 ) -> Table:
     """List all estimates, for barriers.csv."""
     columns = ("barrier", *KEYS[1:], "quantity", *Estimate._fields)
-    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    others = estimates_beside(other, at_barriers)
     rows = []
     for of, here in zip(at_barriers, others, strict=True):
         for quantity, estimate in of.estimates.items():
@@ -310,7 +314,7 @@ def barriers_in_json(
     """Describe the barriers with their estimates, None for what is not known, and those
     by another kinematics with the names of the ones that differ."""
     described = []
-    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    others = estimates_beside(other, at_barriers)
     for of, here in zip(at_barriers, others, strict=True):
         barrier = dict(zip(KEYS, of.place, strict=True))
         barrier |= {"estimates": plain(of.estimates)}
@@ -326,7 +330,7 @@ def effect_table(
 ) -> Table:
     """Write what becomes of blocks at each barrier."""
     rows, columns = [], ("", "blocks", "share", "interval")
-    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    others = estimates_beside(other, at_barriers)
     for of, here in zip(at_barriers, others, strict=True):
         first = of.place
         for word, quantity in EFFECT_WORDS.items():
@@ -355,7 +359,7 @@ def design_table(
     """Write the design values at each barrier, and below each what it is by another
     kinematics."""
     rows = []
-    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    others = estimates_beside(other, at_barriers)
     for (barrier, estimates), here in zip(at_barriers, others, strict=True):
         first = (barrier.name, estimates["share_arriving"].count)
         for name, (_, unit, *_) in DESIGN_QUANTITIES.items():

@@ -22,6 +22,7 @@ from .barriers import (
     OtherEstimates,
     design_table,
     effect_table,
+    estimates_beside,
     estimates_of,
     too_few,
 )
@@ -176,7 +177,7 @@ def _summary(
             f"{interval_text(*ends)}{_stop_beside(dataset, ends)}), the farthest at "
             f"{stopped.max():.4g} m."
         )
-    others = other.beside(at_barriers) if other else [{}] * len(at_barriers)
+    others = estimates_beside(other, at_barriers)
     for (barrier, by_name), beside in zip(at_barriers, others, strict=True):
         name = barrier.name
         line = f"{name[:1].upper()}{name[1:]}: {_counts_at(by_name)} the barrier"

@@ -90,11 +90,9 @@ RELEASE_NUMBERS = {
     "v_x_mps": ("v_x", "m/s", "velocity at release, to the right"),
     "v_y_mps": ("v_y", "m/s", "vertical velocity at release, upwards"),
     "orientation_deg": (
-        *(
-            "orientation",
-            "deg",
-            "orientation at release, from the vertical, clockwise, to the major axis",
-        ),
+        "orientation",
+        "deg",
+        "orientation at release, from the vertical, clockwise, to the major axis",
     ),
     "angular_velocity_degps": (
         "angular_velocity",

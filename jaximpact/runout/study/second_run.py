@@ -26,9 +26,9 @@ from .slope_file import SlopeStudy
 
 PREFIX = "second_run_"
 """Begins the names of what the second run gives, among the variables of a dataset."""
-LEFT_OUT = "it was to be left out"
-OTHER_LAW = "the contact law knows of no kinematics of the soil"
-ROUND = "all blocks are round, and come to the same by either kinematics"
+LEFT_OUT = "it was turned off"
+OTHER_LAW = "the contact law has no kinematics of the soil"
+ROUND = "all blocks are round, and either kinematics gives the same results"
 MOST_SHOWN = 4
 """Number of differences that are told in sentences."""
 PASSAGES = {
