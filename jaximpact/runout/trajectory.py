@@ -131,7 +131,7 @@ class ImpactEnergies(NamedTuple):
     energy: Values
     """Kinetic energy at touch [J]."""
     arm_work: Values
-    """Work of the normal force through its lever arm [J]: energy that nothing pays for,
+    """Work of the normal force through its lever arm [J]: energy without a source,
     above 0 where it is given to the block."""
     e_n: Values
     """Normal velocity after the contact over that before; NaN for a block that turns

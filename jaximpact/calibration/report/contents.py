@@ -19,7 +19,7 @@ from ..diagnostics.examination import (
     freedom_text,
     warnings_of,
 )
-from ..diagnostics.residuals import Residuals, rms
+from ..diagnostics.residuals import Bias, Residuals, rms
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.scatter import chosen_in_words
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
@@ -198,8 +198,7 @@ def target_table(
             exact = (study.censored[:, target] == 0) & np.isfinite(apart)
             row["rms left out"] = rms(apart[exact])
         row["max"], bias = values["max"], biases.get(name)
-        row["bias"] = bias and f"{bias.mean:.3g} ({bias.percent:+.1f} %)"
-        row["too high"] = bias and f"{bias.above} of {bias.count}"
+        row["bias"], row["too high"] = _bias_cells(bias) if bias else (None, None)
         row["sigma"] = f"{size} ({origin})"
         if limits:
             row["limits violated"] = values["limits_broken"]
@@ -207,13 +206,17 @@ def target_table(
     return Table(tuple(rows[0]), [tuple(row.values()) for row in rows])
 
 
+def _bias_cells(bias: Bias) -> tuple[str, str]:
+    mean = f"{bias.mean:.3g} ({bias.percent:+.1f} %)"
+    return mean, f"{bias.above} of {bias.count}"
+
+
 def bias_table(residuals: Residuals) -> Table:
     """Write the mean residual of each target with the tests of its bias."""
     rows = [
         (
             bias.target,
-            f"{bias.mean:.3g} ({bias.percent:+.1f} %)",
-            f"{bias.above} of {bias.count}",
+            *_bias_cells(bias),
             f"{bias.chance_of_signs:.1g}",
             f"{bias.chance_of_mean:.1g}" if np.isfinite(bias.chance_of_mean) else None,
             "yes" if bias.significant else "no",

@@ -191,7 +191,7 @@ class GroundInput(NamedTuple):
 
 def _default_soil(content: dict) -> Soil:
     """Make the soil of run-outs: by `WorkConjugate`, whose contacts give no block
-    energy that nothing pays for. Beside tables, which were made by `tabulate`, it is
+    energy without a source. Beside tables, which were made by `tabulate`, it is
     the soil of impacts."""
     laws = content.get("contacts")
     laws = laws if isinstance(laws, list) else [laws]

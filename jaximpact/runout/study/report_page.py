@@ -46,7 +46,7 @@ CURVES = (
 )
 ARM_WORK = (
     "Arm work is the work of the normal force through the arm from the point where "
-    "penetration is measured to the point where the force acts. Nothing pays for it: "
+    "penetration is measured to the point where the force acts. It has no source: "
     "it is an error of the model, and zero by WorkConjugate. An impact gains energy "
     "where kinetic and potential energy after it are more than before."
 )

@@ -1,7 +1,7 @@
 """Second run of a study: the same random numbers, the other kinematics of the soil.
 
 With the kinematics of the paper, `DeepestPoint`, the normal force does arm work in
-eccentric impacts: energy that nothing pays for, given to the block or taken from it.
+eccentric impacts: energy without a source, given to the block or taken from it.
 With `WorkConjugate` it does none. By how much design values differ is an error of the
 model, which no interval of random blocks holds. Round blocks do not differ, and are not
 run again.
