@@ -31,9 +31,9 @@ from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_objects
 
 keep_objects(kept)
 
-MOST_DIRECTIONS = 3
+MOST_DIRECTIONS = 8
 """Derivatives that share a run of an impact. Each costs some three quarters of the
-value; more of them take longer to compile than they save."""
+value, and 13 KB of memory for each lane beside it, which the caches must hold."""
 _COMPILING = threading.Lock()
 """Held by the kernel that tells that code is compiled."""
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"

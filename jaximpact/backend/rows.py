@@ -200,10 +200,9 @@ def _columns_of_group(
     run: Callable = _by_operation if in_jax else _directly
     rows, columns = None, []
     for first in range(0, len(varied), MOST_DIRECTIONS):
-        along = varied[first : first + MOST_DIRECTIONS]
-        padded = (*along, *[-1] * (MOST_DIRECTIONS - len(along)))
+        along = tuple(varied[first : first + MOST_DIRECTIONS])
         inputs = wanted.places, wanted.rest, values, *turn, times
-        rows, along_each = run(kernels, padded, *inputs)
+        rows, along_each = run(kernels.along(len(along)), along, *inputs)
         columns += [tuple(part[k] for part in along_each) for k in range(len(along))]
     return wanted.solution(rows), columns
 
@@ -403,7 +402,7 @@ def _kernels(
         kernels = [kernel for kernel in compiled if kernel is not None]
         if len(kernels) < len(assemblies):
             return None
-        _kernel_sets[key] = KernelSet(kernels, MOST_DIRECTIONS if varied else 0)
+        _kernel_sets[key] = KernelSet(kernels)
     return _kernel_sets[key]
 
 

@@ -15,10 +15,10 @@ from jaximpact.backend.simd import (
     LaneFunctions,
     compile_code,
     compiler,
-    llvm_ir,
     object_files,
     target,
 )
+from jaximpact.backend.simd import functions as in_parts
 
 LANES = 37
 INPUTS = np.random.default_rng(1).uniform(1.0, 40.0, (3, LANES))
@@ -40,15 +40,15 @@ def finish(inputs, state):
     return scale * jnp.sqrt(state[1] + start) + offset * state[0]
 
 
-def results(lanes=LANES):
-    """Numbers of lanes that end at different steps, with their derivatives by each
-    input, and how many object files there are."""
+def results(lanes=LANES, along=(0, 1, 2)):
+    """Numbers of lanes that end at different steps, with their derivatives by inputs,
+    and how many object files there are."""
     inputs = INPUTS[:, :lanes]
     directions = Derivatives(3, inputs=(0, 1, 2), state=(0, 1))
     functions = LaneFunctions(begin, step, finish)
     code = compile_code(functions, [jnp.ones(1)] * 3, directions)
-    kernels = KernelSet([Kernel(code, None)], 3)
-    rows, _ = kernels.compute(inputs, 1, along=range(3))
+    kernels = KernelSet([Kernel(code, None)]).along(len(along))
+    rows, _ = kernels.compute(inputs, 1, along=along)
     return rows, len(code.object_files)
 
 
@@ -77,6 +77,13 @@ def test_derivatives_are_those_of_jax(expected):
         np.testing.assert_allclose(expected[:, lane], numbers, rtol=1e-13)
 
 
+@pytest.mark.parametrize("along", [(), (0,), (2,), (2, 0), (1, 1, 1)])
+def test_directions_are_those_wanted(along, expected):
+    rows, _ = results(along=along)
+    wanted = expected[[0, *(1 + place for place in along)]]
+    assert rows.tobytes() == wanted.tobytes()
+
+
 @pytest.mark.parametrize("lanes", [1, 4, 5])
 def test_few_lanes_leave_a_vector_empty(lanes, short_vectors, expected):
     rows, _ = results(lanes)
@@ -90,8 +97,8 @@ def nothing_kept(monkeypatch):
 
 @pytest.fixture
 def small_parts(monkeypatch):
-    monkeypatch.setattr(llvm_ir, "WHOLE", 20)
-    monkeypatch.setattr(llvm_ir, "PART", 10)
+    monkeypatch.setattr(in_parts, "WHOLE", 20)
+    monkeypatch.setattr(in_parts, "PART", 10)
 
 
 @pytest.fixture

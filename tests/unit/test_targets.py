@@ -54,9 +54,9 @@ def text():
     and a table."""
     made, compile_functions = [], kernel.compile_functions
 
-    def noted(functions, copies):
-        made.append(module_of(functions, lanes_for(copies)))
-        return compile_functions(functions, copies)
+    def noted(functions, differentiated):
+        made.append(module_of(functions, lanes_for(differentiated)))
+        return compile_functions(functions, differentiated)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(kernel, "compile_functions", noted)

@@ -20,8 +20,9 @@
 #define FOR_EVER 0xFFFFFFFF /* milliseconds, on Windows */
 
 typedef uint8_t Mask; /* a bit a column */
-/* Works on some columns, and perhaps on others beside them. */
-typedef Mask (*Function)(double *work, Mask columns);
+/* Works on some columns, and perhaps on others beside them, and on derivatives along so
+ * many directions. */
+typedef Mask (*Function)(double *work, Mask columns, int64_t directions);
 
 /* What lanes do. A lane's inputs, state and results are a column of the memory `work`,
  * whose rows are eight wide. */
@@ -136,8 +137,7 @@ static int take_lane(Job *job, int64_t place, Columns *columns, int column)
     for (int64_t k = 0; k < all->directions; k++) {
         int64_t along = (int64_t)job->along->data[k];
         int64_t own = (program->input_rows - all->leaves) / all->directions;
-        if (along >= 0)
-            columns->work[PACK * (all->leaves + k * own + along) + column] = 1.0;
+        columns->work[PACK * (all->leaves + k * own + along) + column] = 1.0;
     }
     columns->lane[column] = lane;
     return 1;
@@ -222,7 +222,7 @@ static void sample(const Program *program, Columns *columns, Job *job, Mask full
         }
         if (!due)
             return;
-        program->sample(columns->work, due);
+        program->sample(columns->work, due, job->operation->directions);
         for (int column = 0; column < PACK; column++)
             if (due >> column & 1) {
                 give_sample(job, program, columns, column);
@@ -235,6 +235,7 @@ static void sample(const Program *program, Columns *columns, Job *job, Mask full
 static void go_on(Job *job, int64_t place, Columns *columns)
 {
     const Program *program = &job->operation->programs[place];
+    int64_t directions = job->operation->directions;
     Mask again = 0;
     for (;;) {
         Mask full = 0, fresh = again;
@@ -250,16 +251,16 @@ static void go_on(Job *job, int64_t place, Columns *columns)
                 full |= 1 << column;
         }
         if (fresh)
-            program->begin(columns->work, fresh);
+            program->begin(columns->work, fresh, directions);
         if (!full)
             return;
         Mask ends;
         do {
-            ends = full & ~program->step(columns->work, full);
+            ends = full & ~program->step(columns->work, full, directions);
             if (program->sample)
                 sample(program, columns, job, full);
         } while (!ends);
-        program->finish(columns->work, ends);
+        program->finish(columns->work, ends, directions);
         again = 0;
         for (int column = 0; column < PACK; column++) {
             if (!(ends >> column & 1))

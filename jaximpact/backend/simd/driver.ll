@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 c65b1e8a7ccf5d1524bf06a6621c6ba634d46780b7f3cbfa084fc5671ac05281
+; Made from driver.c by 'make driver'; sha256 bdb95b3b2b2b7e941399aeb0a1e2ff207832253dc3b4fb6f056f56dbf1b551d0
 
 %struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
@@ -1056,7 +1056,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 21:
   %22 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 19
   store i32 1, ptr %22, align 8
-  br label %504
+  br label %506
 
 23:
   %24 = tail call i64 @enter_float_mode()
@@ -1090,638 +1090,636 @@ define internal ptr @work(ptr nocapture noundef %0) {
   tail call void @leave_float_mode(i64 noundef %24)
   tail call void @free(ptr noundef %11)
   call void @llvm.lifetime.end.p0(i64 264, ptr nonnull %2)
-  br label %504
+  br label %506
 
 45:
-  %46 = phi i64 [ 0, %32 ], [ %501, %500 ]
+  %46 = phi i64 [ 0, %32 ], [ %503, %502 ]
   %47 = load ptr, ptr %0, align 8
   %48 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46
-  %49 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17, i64 %46
-  %50 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18, i64 %46
-  %51 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 8
-  %52 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 1
-  %53 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 3
-  %54 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 11
-  %55 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 12
-  %56 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 13
-  %57 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 14
-  %58 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 7
-  %59 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 2
-  %60 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 6
-  %61 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 9
-  %62 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 15
-  %63 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 10
-  %64 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 16
-  br label %65
-
-65:
-  %66 = phi i8 [ 0, %45 ], [ %499, %498 ]
-  br label %69
+  %49 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 3
+  %50 = load i64, ptr %49, align 8
+  %51 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17, i64 %46
+  %52 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18, i64 %46
+  %53 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 8
+  %54 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 1
+  %55 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 3
+  %56 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 11
+  %57 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 12
+  %58 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 13
+  %59 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 14
+  %60 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 7
+  %61 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 2
+  %62 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 6
+  %63 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 9
+  %64 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 15
+  %65 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 10
+  %66 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 16
+  br label %67
 
 67:
-  %68 = icmp eq i8 %203, 0
-  br i1 %68, label %216, label %213
+  %68 = phi i8 [ 0, %45 ], [ %501, %500 ]
+  br label %71
 
 69:
-  %70 = phi i64 [ 0, %65 ], [ %211, %202 ]
-  %71 = phi i8 [ %66, %65 ], [ %203, %202 ]
-  %72 = phi i8 [ 0, %65 ], [ %210, %202 ]
-  %73 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %70
-  %74 = load i64, ptr %73, align 8
-  %75 = icmp slt i64 %74, 0
-  br i1 %75, label %76, label %202
+  %70 = icmp eq i8 %202, 0
+  br i1 %70, label %215, label %212
 
-76:
-  %77 = atomicrmw add ptr %49, i64 1 monotonic, align 8
-  %78 = load i64, ptr %50, align 8
-  %79 = icmp slt i64 %77, %78
-  br i1 %79, label %80, label %202
+71:
+  %72 = phi i64 [ 0, %67 ], [ %210, %201 ]
+  %73 = phi i8 [ %68, %67 ], [ %202, %201 ]
+  %74 = phi i8 [ 0, %67 ], [ %209, %201 ]
+  %75 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %72
+  %76 = load i64, ptr %75, align 8
+  %77 = icmp slt i64 %76, 0
+  br i1 %77, label %78, label %201
 
-80:
-  %81 = load ptr, ptr %0, align 8
-  %82 = load ptr, ptr %33, align 8
-  %83 = getelementptr inbounds %struct.Turn, ptr %82, i64 %77, i32 1
-  %84 = load i64, ptr %83, align 8
-  %85 = getelementptr inbounds %struct.Operation, ptr %81, i64 0, i32 2
+78:
+  %79 = atomicrmw add ptr %51, i64 1 monotonic, align 8
+  %80 = load i64, ptr %52, align 8
+  %81 = icmp slt i64 %79, %80
+  br i1 %81, label %82, label %201
+
+82:
+  %83 = load ptr, ptr %0, align 8
+  %84 = load ptr, ptr %33, align 8
+  %85 = getelementptr inbounds %struct.Turn, ptr %84, i64 %79, i32 1
   %86 = load i64, ptr %85, align 8
-  %87 = icmp sgt i64 %86, 0
-  br i1 %87, label %91, label %88
+  %87 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 2
+  %88 = load i64, ptr %87, align 8
+  %89 = icmp sgt i64 %88, 0
+  br i1 %89, label %93, label %90
 
-88:
-  %89 = load i64, ptr %35, align 8
-  %90 = icmp sgt i64 %89, 0
-  br i1 %90, label %108, label %103
+90:
+  %91 = load i64, ptr %35, align 8
+  %92 = icmp sgt i64 %91, 0
+  br i1 %92, label %110, label %105
 
-91:
-  %92 = phi i64 [ %100, %91 ], [ 0, %80 ]
-  %93 = load ptr, ptr %34, align 8
-  %94 = load ptr, ptr %93, align 8
-  %95 = getelementptr inbounds double, ptr %94, i64 %92
-  %96 = load double, ptr %95, align 8
-  %97 = shl nsw i64 %92, 3
-  %98 = add nuw nsw i64 %97, %70
-  %99 = getelementptr inbounds double, ptr %28, i64 %98
-  store double %96, ptr %99, align 8
-  %100 = add nuw nsw i64 %92, 1
-  %101 = load i64, ptr %85, align 8
-  %102 = icmp slt i64 %100, %101
-  br i1 %102, label %91, label %88
+93:
+  %94 = phi i64 [ %102, %93 ], [ 0, %82 ]
+  %95 = load ptr, ptr %34, align 8
+  %96 = load ptr, ptr %95, align 8
+  %97 = getelementptr inbounds double, ptr %96, i64 %94
+  %98 = load double, ptr %97, align 8
+  %99 = shl nsw i64 %94, 3
+  %100 = add nuw nsw i64 %99, %72
+  %101 = getelementptr inbounds double, ptr %28, i64 %100
+  store double %98, ptr %101, align 8
+  %102 = add nuw nsw i64 %94, 1
+  %103 = load i64, ptr %87, align 8
+  %104 = icmp slt i64 %102, %103
+  br i1 %104, label %93, label %90
 
-103:
-  %104 = load i64, ptr %85, align 8
-  %105 = getelementptr inbounds %struct.Operation, ptr %81, i64 0, i32 1, i64 %46, i32 5
-  %106 = load i64, ptr %105, align 8
-  %107 = icmp slt i64 %104, %106
-  br i1 %107, label %154, label %150
+105:
+  %106 = load i64, ptr %87, align 8
+  %107 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 1, i64 %46, i32 5
+  %108 = load i64, ptr %107, align 8
+  %109 = icmp slt i64 %106, %108
+  br i1 %109, label %156, label %152
 
-108:
-  %109 = phi i64 [ %147, %141 ], [ 0, %88 ]
-  %110 = load ptr, ptr %36, align 8
-  %111 = load ptr, ptr %110, align 8
-  %112 = getelementptr inbounds double, ptr %111, i64 %109
-  %113 = load double, ptr %112, align 8
-  %114 = fptosi double %113 to i64
-  %115 = load ptr, ptr %37, align 8
-  %116 = getelementptr inbounds %struct.Operand, ptr %115, i64 %109
-  %117 = load i64, ptr %38, align 8
-  %118 = icmp eq i64 %117, 1
-  %119 = load ptr, ptr %116, align 8
-  br i1 %118, label %120, label %125
+110:
+  %111 = phi i64 [ %149, %143 ], [ 0, %90 ]
+  %112 = load ptr, ptr %36, align 8
+  %113 = load ptr, ptr %112, align 8
+  %114 = getelementptr inbounds double, ptr %113, i64 %111
+  %115 = load double, ptr %114, align 8
+  %116 = fptosi double %115 to i64
+  %117 = load ptr, ptr %37, align 8
+  %118 = getelementptr inbounds %struct.Operand, ptr %117, i64 %111
+  %119 = load i64, ptr %38, align 8
+  %120 = icmp eq i64 %119, 1
+  %121 = load ptr, ptr %118, align 8
+  br i1 %120, label %122, label %127
 
-120:
-  %121 = getelementptr inbounds %struct.Operand, ptr %115, i64 %109, i32 1
-  %122 = load i64, ptr %121, align 8
-  %123 = mul nsw i64 %122, %84
-  %124 = getelementptr inbounds double, ptr %119, i64 %123
-  br label %141
-
-125:
-  %126 = icmp sgt i64 %117, 0
-  br i1 %126, label %127, label %141
+122:
+  %123 = getelementptr inbounds %struct.Operand, ptr %117, i64 %111, i32 1
+  %124 = load i64, ptr %123, align 8
+  %125 = mul nsw i64 %124, %86
+  %126 = getelementptr inbounds double, ptr %121, i64 %125
+  br label %143
 
 127:
-  %128 = phi i64 [ %131, %127 ], [ %117, %125 ]
-  %129 = phi ptr [ %138, %127 ], [ %119, %125 ]
-  %130 = phi i64 [ %139, %127 ], [ %84, %125 ]
-  %131 = add nsw i64 %128, -1
-  %132 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %131
-  %133 = load i64, ptr %132, align 8
-  %134 = srem i64 %130, %133
-  %135 = getelementptr inbounds %struct.Operand, ptr %115, i64 %109, i32 1, i64 %131
-  %136 = load i64, ptr %135, align 8
-  %137 = mul nsw i64 %136, %134
-  %138 = getelementptr inbounds double, ptr %129, i64 %137
-  %139 = sdiv i64 %130, %133
-  %140 = icmp sgt i64 %128, 1
-  br i1 %140, label %127, label %141
+  %128 = icmp sgt i64 %119, 0
+  br i1 %128, label %129, label %143
 
-141:
-  %142 = phi ptr [ %124, %120 ], [ %119, %125 ], [ %138, %127 ]
-  %143 = load double, ptr %142, align 8
-  %144 = shl nsw i64 %114, 3
-  %145 = add nsw i64 %144, %70
-  %146 = getelementptr inbounds double, ptr %28, i64 %145
-  store double %143, ptr %146, align 8
-  %147 = add nuw nsw i64 %109, 1
-  %148 = load i64, ptr %35, align 8
-  %149 = icmp slt i64 %147, %148
-  br i1 %149, label %108, label %103
+129:
+  %130 = phi i64 [ %133, %129 ], [ %119, %127 ]
+  %131 = phi ptr [ %140, %129 ], [ %121, %127 ]
+  %132 = phi i64 [ %141, %129 ], [ %86, %127 ]
+  %133 = add nsw i64 %130, -1
+  %134 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %133
+  %135 = load i64, ptr %134, align 8
+  %136 = srem i64 %132, %135
+  %137 = getelementptr inbounds %struct.Operand, ptr %117, i64 %111, i32 1, i64 %133
+  %138 = load i64, ptr %137, align 8
+  %139 = mul nsw i64 %138, %136
+  %140 = getelementptr inbounds double, ptr %131, i64 %139
+  %141 = sdiv i64 %132, %135
+  %142 = icmp sgt i64 %130, 1
+  br i1 %142, label %129, label %143
 
-150:
-  %151 = getelementptr inbounds %struct.Operation, ptr %81, i64 0, i32 3
-  %152 = load i64, ptr %151, align 8
-  %153 = icmp sgt i64 %152, 0
-  br i1 %153, label %167, label %162
+143:
+  %144 = phi ptr [ %126, %122 ], [ %121, %127 ], [ %140, %129 ]
+  %145 = load double, ptr %144, align 8
+  %146 = shl nsw i64 %116, 3
+  %147 = add nsw i64 %146, %72
+  %148 = getelementptr inbounds double, ptr %28, i64 %147
+  store double %145, ptr %148, align 8
+  %149 = add nuw nsw i64 %111, 1
+  %150 = load i64, ptr %35, align 8
+  %151 = icmp slt i64 %149, %150
+  br i1 %151, label %110, label %105
 
-154:
-  %155 = phi i64 [ %159, %154 ], [ %104, %103 ]
-  %156 = shl nsw i64 %155, 3
-  %157 = add nsw i64 %156, %70
-  %158 = getelementptr inbounds double, ptr %28, i64 %157
-  store double 0.000000e+00, ptr %158, align 8
-  %159 = add nsw i64 %155, 1
-  %160 = load i64, ptr %105, align 8
-  %161 = icmp slt i64 %159, %160
-  br i1 %161, label %154, label %150
+152:
+  %153 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 3
+  %154 = load i64, ptr %153, align 8
+  %155 = icmp sgt i64 %154, 0
+  br i1 %155, label %169, label %164
 
-162:
-  store i64 %84, ptr %73, align 8
-  %163 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %70
-  store i64 0, ptr %163, align 8
-  %164 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %70
-  store i64 0, ptr %164, align 8
-  %165 = load i64, ptr %51, align 8
-  %166 = icmp sgt i64 %165, -1
-  br i1 %166, label %191, label %197
+156:
+  %157 = phi i64 [ %161, %156 ], [ %106, %105 ]
+  %158 = shl nsw i64 %157, 3
+  %159 = add nsw i64 %158, %72
+  %160 = getelementptr inbounds double, ptr %28, i64 %159
+  store double 0.000000e+00, ptr %160, align 8
+  %161 = add nsw i64 %157, 1
+  %162 = load i64, ptr %107, align 8
+  %163 = icmp slt i64 %161, %162
+  br i1 %163, label %156, label %152
 
-167:
-  %168 = phi i64 [ %189, %187 ], [ %152, %150 ]
-  %169 = phi i64 [ %188, %187 ], [ 0, %150 ]
-  %170 = load ptr, ptr %39, align 8
-  %171 = load ptr, ptr %170, align 8
-  %172 = getelementptr inbounds double, ptr %171, i64 %169
-  %173 = load double, ptr %172, align 8
-  %174 = fptosi double %173 to i64
-  %175 = icmp sgt i64 %174, -1
-  br i1 %175, label %176, label %187
+164:
+  store i64 %86, ptr %75, align 8
+  %165 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %72
+  store i64 0, ptr %165, align 8
+  %166 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %72
+  store i64 0, ptr %166, align 8
+  %167 = load i64, ptr %53, align 8
+  %168 = icmp sgt i64 %167, -1
+  br i1 %168, label %190, label %196
 
-176:
-  %177 = load i64, ptr %105, align 8
-  %178 = load i64, ptr %85, align 8
+169:
+  %170 = phi i64 [ %188, %169 ], [ %154, %152 ]
+  %171 = phi i64 [ %187, %169 ], [ 0, %152 ]
+  %172 = load ptr, ptr %39, align 8
+  %173 = load ptr, ptr %172, align 8
+  %174 = getelementptr inbounds double, ptr %173, i64 %171
+  %175 = load double, ptr %174, align 8
+  %176 = fptosi double %175 to i64
+  %177 = load i64, ptr %107, align 8
+  %178 = load i64, ptr %87, align 8
   %179 = sub nsw i64 %177, %178
-  %180 = sdiv i64 %179, %168
-  %181 = mul nsw i64 %180, %169
-  %182 = add i64 %178, %174
+  %180 = sdiv i64 %179, %170
+  %181 = mul nsw i64 %180, %171
+  %182 = add i64 %178, %176
   %183 = add i64 %182, %181
   %184 = shl nsw i64 %183, 3
-  %185 = add nsw i64 %184, %70
+  %185 = add nsw i64 %184, %72
   %186 = getelementptr inbounds double, ptr %28, i64 %185
   store double 1.000000e+00, ptr %186, align 8
-  br label %187
+  %187 = add nuw nsw i64 %171, 1
+  %188 = load i64, ptr %153, align 8
+  %189 = icmp slt i64 %187, %188
+  br i1 %189, label %169, label %164
 
-187:
-  %188 = add nuw nsw i64 %169, 1
-  %189 = load i64, ptr %151, align 8
-  %190 = icmp slt i64 %188, %189
-  br i1 %190, label %167, label %162
+190:
+  %191 = shl nsw i64 %167, 3
+  %192 = add nsw i64 %191, %72
+  %193 = getelementptr inbounds double, ptr %28, i64 %192
+  %194 = load double, ptr %193, align 8
+  %195 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %72
+  store double %194, ptr %195, align 8
+  br label %196
 
-191:
-  %192 = shl nsw i64 %165, 3
-  %193 = add nsw i64 %192, %70
-  %194 = getelementptr inbounds double, ptr %28, i64 %193
-  %195 = load double, ptr %194, align 8
-  %196 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %70
-  store double %195, ptr %196, align 8
-  br label %197
+196:
+  %197 = trunc i64 %72 to i32
+  %198 = shl nuw i32 1, %197
+  %199 = trunc i32 %198 to i8
+  %200 = or i8 %73, %199
+  br label %201
 
-197:
-  %198 = trunc i64 %70 to i32
-  %199 = shl nuw i32 1, %198
-  %200 = trunc i32 %199 to i8
-  %201 = or i8 %71, %200
-  br label %202
+201:
+  %202 = phi i8 [ %200, %196 ], [ %73, %71 ], [ %73, %78 ]
+  %203 = load i64, ptr %75, align 8
+  %204 = trunc i64 %72 to i32
+  %205 = shl nuw i32 1, %204
+  %206 = trunc i32 %205 to i8
+  %207 = icmp slt i64 %203, 0
+  %208 = select i1 %207, i8 0, i8 %206
+  %209 = or i8 %208, %74
+  %210 = add nuw nsw i64 %72, 1
+  %211 = icmp eq i64 %210, 8
+  br i1 %211, label %69, label %71
 
-202:
-  %203 = phi i8 [ %201, %197 ], [ %71, %69 ], [ %71, %76 ]
-  %204 = load i64, ptr %73, align 8
-  %205 = trunc i64 %70 to i32
-  %206 = shl nuw i32 1, %205
-  %207 = trunc i32 %206 to i8
-  %208 = icmp slt i64 %204, 0
-  %209 = select i1 %208, i8 0, i8 %207
-  %210 = or i8 %209, %72
-  %211 = add nuw nsw i64 %70, 1
-  %212 = icmp eq i64 %211, 8
-  br i1 %212, label %67, label %69
+212:
+  %213 = load ptr, ptr %48, align 8
+  %214 = tail call zeroext i8 %213(ptr noundef %28, i8 noundef zeroext %202, i64 noundef %50)
+  br label %215
 
-213:
-  %214 = load ptr, ptr %48, align 8
-  %215 = tail call zeroext i8 %214(ptr noundef %28, i8 noundef zeroext %203)
-  br label %216
+215:
+  %216 = icmp eq i8 %209, 0
+  br i1 %216, label %500, label %217
 
-216:
-  %217 = icmp eq i8 %210, 0
-  br i1 %217, label %498, label %218
+217:
+  %218 = zext i8 %209 to i32
+  br label %219
 
-218:
-  %219 = zext i8 %210 to i32
-  br label %220
+219:
+  %220 = load ptr, ptr %54, align 8
+  %221 = tail call zeroext i8 %220(ptr noundef %28, i8 noundef zeroext %209, i64 noundef %50)
+  %222 = xor i8 %221, -1
+  %223 = and i8 %209, %222
+  %224 = load ptr, ptr %55, align 8
+  %225 = icmp eq ptr %224, null
+  br i1 %225, label %387, label %226
 
-220:
-  %221 = load ptr, ptr %52, align 8
-  %222 = tail call zeroext i8 %221(ptr noundef %28, i8 noundef zeroext %210)
-  %223 = xor i8 %222, -1
-  %224 = and i8 %210, %223
-  %225 = load ptr, ptr %53, align 8
-  %226 = icmp eq ptr %225, null
-  br i1 %226, label %385, label %227
+226:
+  %227 = load i64, ptr %56, align 8
+  %228 = shl nsw i64 %227, 3
+  %229 = getelementptr inbounds double, ptr %28, i64 %228
+  %230 = load i64, ptr %57, align 8
+  %231 = shl nsw i64 %230, 3
+  %232 = getelementptr inbounds double, ptr %28, i64 %231
+  br label %235
 
-227:
-  %228 = load i64, ptr %54, align 8
-  %229 = shl nsw i64 %228, 3
-  %230 = getelementptr inbounds double, ptr %28, i64 %229
-  %231 = load i64, ptr %55, align 8
-  %232 = shl nsw i64 %231, 3
-  %233 = getelementptr inbounds double, ptr %28, i64 %232
-  br label %236
+233:
+  %234 = icmp eq i8 %304, 0
+  br i1 %234, label %387, label %310
 
-234:
-  %235 = icmp eq i8 %305, 0
-  br i1 %235, label %385, label %311
+235:
+  %236 = phi i64 [ 0, %226 ], [ %308, %307 ]
+  %237 = phi i8 [ 0, %226 ], [ %309, %307 ]
+  %238 = trunc i64 %236 to i32
+  %239 = shl nuw i32 1, %238
+  %240 = and i32 %239, %218
+  %241 = icmp eq i32 %240, 0
+  br i1 %241, label %303, label %242
 
-236:
-  %237 = phi i64 [ 0, %227 ], [ %309, %308 ]
-  %238 = phi i8 [ 0, %227 ], [ %310, %308 ]
-  %239 = trunc i64 %237 to i32
-  %240 = shl nuw i32 1, %239
-  %241 = and i32 %240, %219
-  %242 = icmp eq i32 %241, 0
-  br i1 %242, label %304, label %243
+242:
+  %243 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %236
+  %244 = load i64, ptr %243, align 8
+  %245 = load ptr, ptr %40, align 8
+  %246 = icmp eq ptr %245, null
+  br i1 %246, label %259, label %247
 
-243:
-  %244 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %237
-  %245 = load i64, ptr %244, align 8
-  %246 = load ptr, ptr %40, align 8
-  %247 = icmp eq ptr %246, null
-  br i1 %247, label %260, label %248
+247:
+  %248 = icmp eq i64 %244, 0
+  br i1 %248, label %294, label %249
 
-248:
-  %249 = icmp eq i64 %245, 0
-  br i1 %249, label %295, label %250
+249:
+  %250 = load i64, ptr %56, align 8
+  %251 = shl nsw i64 %250, 3
+  %252 = add nsw i64 %251, %236
+  %253 = getelementptr inbounds double, ptr %28, i64 %252
+  %254 = load double, ptr %253, align 8
+  %255 = getelementptr inbounds %struct.Course, ptr %245, i64 0, i32 3
+  %256 = load double, ptr %255, align 8
+  %257 = fcmp ogt double %254, %256
+  %258 = select i1 %257, double %254, double 0x7FF0000000000000
+  br label %294
 
-250:
-  %251 = load i64, ptr %54, align 8
-  %252 = shl nsw i64 %251, 3
-  %253 = add nsw i64 %252, %237
-  %254 = getelementptr inbounds double, ptr %28, i64 %253
-  %255 = load double, ptr %254, align 8
-  %256 = getelementptr inbounds %struct.Course, ptr %246, i64 0, i32 3
-  %257 = load double, ptr %256, align 8
-  %258 = fcmp ogt double %255, %257
-  %259 = select i1 %258, double %255, double 0x7FF0000000000000
-  br label %295
+259:
+  %260 = load i64, ptr %41, align 8
+  %261 = icmp eq i64 %244, %260
+  br i1 %261, label %294, label %262
 
-260:
-  %261 = load i64, ptr %41, align 8
-  %262 = icmp eq i64 %245, %261
-  br i1 %262, label %295, label %263
+262:
+  %263 = load ptr, ptr %42, align 8
+  %264 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %236
+  %265 = load i64, ptr %264, align 8
+  %266 = load i64, ptr %38, align 8
+  %267 = icmp eq i64 %266, 1
+  %268 = load ptr, ptr %263, align 8
+  br i1 %267, label %269, label %274
 
-263:
-  %264 = load ptr, ptr %42, align 8
-  %265 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %237
-  %266 = load i64, ptr %265, align 8
-  %267 = load i64, ptr %38, align 8
-  %268 = icmp eq i64 %267, 1
-  %269 = load ptr, ptr %264, align 8
-  br i1 %268, label %270, label %275
+269:
+  %270 = getelementptr inbounds %struct.Operand, ptr %263, i64 0, i32 1
+  %271 = load i64, ptr %270, align 8
+  %272 = mul nsw i64 %271, %265
+  %273 = getelementptr inbounds double, ptr %268, i64 %272
+  br label %290
 
-270:
-  %271 = getelementptr inbounds %struct.Operand, ptr %264, i64 0, i32 1
-  %272 = load i64, ptr %271, align 8
-  %273 = mul nsw i64 %272, %266
-  %274 = getelementptr inbounds double, ptr %269, i64 %273
-  br label %291
+274:
+  %275 = icmp sgt i64 %266, 0
+  br i1 %275, label %276, label %290
 
-275:
-  %276 = icmp sgt i64 %267, 0
-  br i1 %276, label %277, label %291
+276:
+  %277 = phi i64 [ %280, %276 ], [ %266, %274 ]
+  %278 = phi ptr [ %287, %276 ], [ %268, %274 ]
+  %279 = phi i64 [ %288, %276 ], [ %265, %274 ]
+  %280 = add nsw i64 %277, -1
+  %281 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %280
+  %282 = load i64, ptr %281, align 8
+  %283 = srem i64 %279, %282
+  %284 = getelementptr inbounds %struct.Operand, ptr %263, i64 0, i32 1, i64 %280
+  %285 = load i64, ptr %284, align 8
+  %286 = mul nsw i64 %285, %283
+  %287 = getelementptr inbounds double, ptr %278, i64 %286
+  %288 = sdiv i64 %279, %282
+  %289 = icmp sgt i64 %277, 1
+  br i1 %289, label %276, label %290
 
-277:
-  %278 = phi i64 [ %281, %277 ], [ %267, %275 ]
-  %279 = phi ptr [ %288, %277 ], [ %269, %275 ]
-  %280 = phi i64 [ %289, %277 ], [ %266, %275 ]
-  %281 = add nsw i64 %278, -1
-  %282 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %281
-  %283 = load i64, ptr %282, align 8
-  %284 = srem i64 %280, %283
-  %285 = getelementptr inbounds %struct.Operand, ptr %264, i64 0, i32 1, i64 %281
-  %286 = load i64, ptr %285, align 8
-  %287 = mul nsw i64 %286, %284
-  %288 = getelementptr inbounds double, ptr %279, i64 %287
-  %289 = sdiv i64 %280, %283
-  %290 = icmp sgt i64 %278, 1
-  br i1 %290, label %277, label %291
+290:
+  %291 = phi ptr [ %273, %269 ], [ %268, %274 ], [ %287, %276 ]
+  %292 = getelementptr inbounds double, ptr %291, i64 %244
+  %293 = load double, ptr %292, align 8
+  br label %294
 
-291:
-  %292 = phi ptr [ %274, %270 ], [ %269, %275 ], [ %288, %277 ]
-  %293 = getelementptr inbounds double, ptr %292, i64 %245
-  %294 = load double, ptr %293, align 8
-  br label %295
+294:
+  %295 = phi double [ %293, %290 ], [ %258, %249 ], [ 0.000000e+00, %247 ], [ 0x7FF0000000000000, %259 ]
+  %296 = getelementptr inbounds double, ptr %232, i64 %236
+  store double %295, ptr %296, align 8
+  %297 = getelementptr inbounds double, ptr %229, i64 %236
+  %298 = load double, ptr %297, align 8
+  %299 = fcmp ugt double %295, %298
+  br i1 %299, label %303, label %300
 
-295:
-  %296 = phi double [ %294, %291 ], [ %259, %250 ], [ 0.000000e+00, %248 ], [ 0x7FF0000000000000, %260 ]
-  %297 = getelementptr inbounds double, ptr %233, i64 %237
-  store double %296, ptr %297, align 8
-  %298 = getelementptr inbounds double, ptr %230, i64 %237
-  %299 = load double, ptr %298, align 8
-  %300 = fcmp ugt double %296, %299
-  br i1 %300, label %304, label %301
+300:
+  %301 = trunc i32 %239 to i8
+  %302 = or i8 %237, %301
+  br label %303
 
-301:
-  %302 = trunc i32 %240 to i8
-  %303 = or i8 %238, %302
-  br label %304
+303:
+  %304 = phi i8 [ %302, %300 ], [ %237, %294 ], [ %237, %235 ]
+  %305 = add nuw nsw i64 %236, 1
+  %306 = icmp eq i64 %305, 8
+  br i1 %306, label %233, label %307
 
-304:
-  %305 = phi i8 [ %303, %301 ], [ %238, %295 ], [ %238, %236 ]
-  %306 = add nuw nsw i64 %237, 1
-  %307 = icmp eq i64 %306, 8
-  br i1 %307, label %234, label %308
+307:
+  %308 = phi i64 [ %305, %303 ], [ 0, %384 ]
+  %309 = phi i8 [ %304, %303 ], [ 0, %384 ]
+  br label %235
 
-308:
-  %309 = phi i64 [ %306, %304 ], [ 0, %382 ]
-  %310 = phi i8 [ %305, %304 ], [ 0, %382 ]
-  br label %236
+310:
+  %311 = load ptr, ptr %55, align 8
+  %312 = load ptr, ptr %0, align 8
+  %313 = getelementptr inbounds %struct.Operation, ptr %312, i64 0, i32 3
+  %314 = load i64, ptr %313, align 8
+  %315 = tail call zeroext i8 %311(ptr noundef %28, i8 noundef zeroext %304, i64 noundef %314)
+  %316 = zext i8 %304 to i32
+  br label %317
 
-311:
-  %312 = load ptr, ptr %53, align 8
-  %313 = tail call zeroext i8 %312(ptr noundef %28, i8 noundef zeroext %305)
-  %314 = zext i8 %305 to i32
-  br label %315
+317:
+  %318 = phi i64 [ 0, %310 ], [ %385, %384 ]
+  %319 = trunc i64 %318 to i32
+  %320 = shl nuw i32 1, %319
+  %321 = and i32 %320, %316
+  %322 = icmp eq i32 %321, 0
+  br i1 %322, label %384, label %323
 
-315:
-  %316 = phi i64 [ 0, %311 ], [ %383, %382 ]
-  %317 = trunc i64 %316 to i32
-  %318 = shl nuw i32 1, %317
-  %319 = and i32 %318, %314
-  %320 = icmp eq i32 %319, 0
-  br i1 %320, label %382, label %321
+323:
+  %324 = load i64, ptr %58, align 8
+  %325 = shl nsw i64 %324, 3
+  %326 = getelementptr inbounds double, ptr %28, i64 %325
+  %327 = getelementptr inbounds double, ptr %326, i64 %318
+  %328 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %318
+  %329 = load i64, ptr %328, align 8
+  %330 = load ptr, ptr %40, align 8
+  %331 = icmp eq ptr %330, null
+  br i1 %331, label %360, label %332
 
-321:
-  %322 = load i64, ptr %56, align 8
-  %323 = shl nsw i64 %322, 3
-  %324 = getelementptr inbounds double, ptr %28, i64 %323
-  %325 = getelementptr inbounds double, ptr %324, i64 %316
-  %326 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %316
-  %327 = load i64, ptr %326, align 8
-  %328 = load ptr, ptr %40, align 8
-  %329 = icmp eq ptr %328, null
-  br i1 %329, label %358, label %330
+332:
+  %333 = load i64, ptr %57, align 8
+  %334 = shl nsw i64 %333, 3
+  %335 = add nsw i64 %334, %318
+  %336 = getelementptr inbounds double, ptr %28, i64 %335
+  %337 = load double, ptr %336, align 8
+  %338 = getelementptr inbounds %struct.Course, ptr %330, i64 0, i32 3
+  store double %337, ptr %338, align 8
+  %339 = add nsw i64 %329, 1
+  %340 = getelementptr inbounds %struct.Course, ptr %330, i64 0, i32 2
+  store i64 %339, ptr %340, align 8
+  %341 = getelementptr inbounds %struct.Course, ptr %330, i64 0, i32 1
+  %342 = load i64, ptr %341, align 8
+  %343 = icmp slt i64 %329, %342
+  br i1 %343, label %344, label %382
 
-330:
-  %331 = load i64, ptr %55, align 8
-  %332 = shl nsw i64 %331, 3
-  %333 = add nsw i64 %332, %316
-  %334 = getelementptr inbounds double, ptr %28, i64 %333
-  %335 = load double, ptr %334, align 8
-  %336 = getelementptr inbounds %struct.Course, ptr %328, i64 0, i32 3
-  store double %335, ptr %336, align 8
-  %337 = add nsw i64 %327, 1
-  %338 = getelementptr inbounds %struct.Course, ptr %328, i64 0, i32 2
-  store i64 %337, ptr %338, align 8
-  %339 = getelementptr inbounds %struct.Course, ptr %328, i64 0, i32 1
-  %340 = load i64, ptr %339, align 8
-  %341 = icmp slt i64 %327, %340
-  br i1 %341, label %342, label %380
+344:
+  %345 = load i64, ptr %59, align 8
+  %346 = icmp sgt i64 %345, 0
+  br i1 %346, label %347, label %382
 
-342:
-  %343 = load i64, ptr %57, align 8
-  %344 = icmp sgt i64 %343, 0
-  br i1 %344, label %345, label %380
+347:
+  %348 = phi i64 [ %357, %347 ], [ 0, %344 ]
+  %349 = shl nsw i64 %348, 3
+  %350 = getelementptr inbounds double, ptr %327, i64 %349
+  %351 = load double, ptr %350, align 8
+  %352 = load ptr, ptr %330, align 8
+  %353 = load i64, ptr %341, align 8
+  %354 = mul nsw i64 %353, %348
+  %355 = add nsw i64 %354, %329
+  %356 = getelementptr inbounds double, ptr %352, i64 %355
+  store double %351, ptr %356, align 8
+  %357 = add nuw nsw i64 %348, 1
+  %358 = load i64, ptr %59, align 8
+  %359 = icmp slt i64 %357, %358
+  br i1 %359, label %347, label %382
 
-345:
-  %346 = phi i64 [ %355, %345 ], [ 0, %342 ]
-  %347 = shl nsw i64 %346, 3
-  %348 = getelementptr inbounds double, ptr %325, i64 %347
-  %349 = load double, ptr %348, align 8
-  %350 = load ptr, ptr %328, align 8
-  %351 = load i64, ptr %339, align 8
-  %352 = mul nsw i64 %351, %346
-  %353 = add nsw i64 %352, %327
-  %354 = getelementptr inbounds double, ptr %350, i64 %353
-  store double %349, ptr %354, align 8
-  %355 = add nuw nsw i64 %346, 1
-  %356 = load i64, ptr %57, align 8
-  %357 = icmp slt i64 %355, %356
-  br i1 %357, label %345, label %380
+360:
+  %361 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %318
+  %362 = load i64, ptr %361, align 8
+  %363 = load i64, ptr %41, align 8
+  %364 = mul nsw i64 %363, %362
+  %365 = add nsw i64 %364, %329
+  %366 = load i64, ptr %59, align 8
+  %367 = icmp sgt i64 %366, 0
+  br i1 %367, label %368, label %382
 
-358:
-  %359 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %316
-  %360 = load i64, ptr %359, align 8
-  %361 = load i64, ptr %41, align 8
-  %362 = mul nsw i64 %361, %360
-  %363 = add nsw i64 %362, %327
-  %364 = load i64, ptr %57, align 8
-  %365 = icmp sgt i64 %364, 0
-  br i1 %365, label %366, label %380
-
-366:
-  %367 = phi i64 [ %377, %366 ], [ 0, %358 ]
-  %368 = shl nsw i64 %367, 3
-  %369 = getelementptr inbounds double, ptr %325, i64 %368
-  %370 = load double, ptr %369, align 8
-  %371 = load ptr, ptr %43, align 8
-  %372 = load i64, ptr %58, align 8
-  %373 = add nsw i64 %372, %367
-  %374 = getelementptr inbounds ptr, ptr %371, i64 %373
-  %375 = load ptr, ptr %374, align 8
-  %376 = getelementptr inbounds double, ptr %375, i64 %363
-  store double %370, ptr %376, align 8
-  %377 = add nuw nsw i64 %367, 1
-  %378 = load i64, ptr %57, align 8
-  %379 = icmp slt i64 %377, %378
-  br i1 %379, label %366, label %380
-
-380:
-  %381 = add nsw i64 %327, 1
-  store i64 %381, ptr %326, align 8
-  br label %382
+368:
+  %369 = phi i64 [ %379, %368 ], [ 0, %360 ]
+  %370 = shl nsw i64 %369, 3
+  %371 = getelementptr inbounds double, ptr %327, i64 %370
+  %372 = load double, ptr %371, align 8
+  %373 = load ptr, ptr %43, align 8
+  %374 = load i64, ptr %60, align 8
+  %375 = add nsw i64 %374, %369
+  %376 = getelementptr inbounds ptr, ptr %373, i64 %375
+  %377 = load ptr, ptr %376, align 8
+  %378 = getelementptr inbounds double, ptr %377, i64 %365
+  store double %372, ptr %378, align 8
+  %379 = add nuw nsw i64 %369, 1
+  %380 = load i64, ptr %59, align 8
+  %381 = icmp slt i64 %379, %380
+  br i1 %381, label %368, label %382
 
 382:
-  %383 = add nuw nsw i64 %316, 1
-  %384 = icmp eq i64 %383, 8
-  br i1 %384, label %308, label %315
+  %383 = add nsw i64 %329, 1
+  store i64 %383, ptr %328, align 8
+  br label %384
 
-385:
-  %386 = icmp eq i8 %224, 0
-  br i1 %386, label %220, label %387
+384:
+  %385 = add nuw nsw i64 %318, 1
+  %386 = icmp eq i64 %385, 8
+  br i1 %386, label %307, label %317
 
 387:
-  %388 = load ptr, ptr %59, align 8
-  %389 = tail call zeroext i8 %388(ptr noundef %28, i8 noundef zeroext %224)
-  %390 = zext i8 %224 to i32
-  br label %391
+  %388 = icmp eq i8 %223, 0
+  br i1 %388, label %219, label %389
 
-391:
-  %392 = phi i64 [ 0, %387 ], [ %496, %494 ]
-  %393 = phi i8 [ 0, %387 ], [ %495, %494 ]
-  %394 = trunc i64 %392 to i32
-  %395 = shl nuw i32 1, %394
-  %396 = and i32 %395, %390
-  %397 = icmp eq i32 %396, 0
-  br i1 %397, label %494, label %398
+389:
+  %390 = load ptr, ptr %61, align 8
+  %391 = tail call zeroext i8 %390(ptr noundef %28, i8 noundef zeroext %223, i64 noundef %50)
+  %392 = zext i8 %223 to i32
+  br label %393
 
-398:
-  %399 = load i64, ptr %51, align 8
-  %400 = icmp slt i64 %399, 0
-  br i1 %400, label %436, label %401
+393:
+  %394 = phi i64 [ 0, %389 ], [ %498, %496 ]
+  %395 = phi i8 [ 0, %389 ], [ %497, %496 ]
+  %396 = trunc i64 %394 to i32
+  %397 = shl nuw i32 1, %396
+  %398 = and i32 %397, %392
+  %399 = icmp eq i32 %398, 0
+  br i1 %399, label %496, label %400
 
-401:
-  %402 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %392
-  %403 = load i64, ptr %402, align 8
-  %404 = icmp eq i64 %403, 7
-  br i1 %404, label %436, label %405
+400:
+  %401 = load i64, ptr %53, align 8
+  %402 = icmp slt i64 %401, 0
+  br i1 %402, label %438, label %403
 
-405:
-  %406 = load i64, ptr %60, align 8
-  %407 = shl nsw i64 %406, 3
-  %408 = getelementptr inbounds double, ptr %28, i64 %407
-  %409 = getelementptr inbounds double, ptr %408, i64 %392
-  %410 = load i64, ptr %61, align 8
-  %411 = shl nsw i64 %410, 3
-  %412 = getelementptr inbounds double, ptr %409, i64 %411
-  %413 = load double, ptr %412, align 8
-  %414 = load double, ptr %62, align 8
-  %415 = fcmp une double %413, %414
-  br i1 %415, label %436, label %416
+403:
+  %404 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %394
+  %405 = load i64, ptr %404, align 8
+  %406 = icmp eq i64 %405, 7
+  br i1 %406, label %438, label %407
 
-416:
-  %417 = load i64, ptr %63, align 8
-  %418 = shl nsw i64 %417, 3
-  %419 = getelementptr inbounds double, ptr %409, i64 %418
-  %420 = load double, ptr %419, align 8
-  %421 = load double, ptr %64, align 8
-  %422 = fcmp ult double %420, %421
-  br i1 %422, label %423, label %436
+407:
+  %408 = load i64, ptr %62, align 8
+  %409 = shl nsw i64 %408, 3
+  %410 = getelementptr inbounds double, ptr %28, i64 %409
+  %411 = getelementptr inbounds double, ptr %410, i64 %394
+  %412 = load i64, ptr %63, align 8
+  %413 = shl nsw i64 %412, 3
+  %414 = getelementptr inbounds double, ptr %411, i64 %413
+  %415 = load double, ptr %414, align 8
+  %416 = load double, ptr %64, align 8
+  %417 = fcmp une double %415, %416
+  br i1 %417, label %438, label %418
 
-423:
-  %424 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %392
-  %425 = load double, ptr %424, align 8
-  %426 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 17, i64 %403
+418:
+  %419 = load i64, ptr %65, align 8
+  %420 = shl nsw i64 %419, 3
+  %421 = getelementptr inbounds double, ptr %411, i64 %420
+  %422 = load double, ptr %421, align 8
+  %423 = load double, ptr %66, align 8
+  %424 = fcmp ult double %422, %423
+  br i1 %424, label %425, label %438
+
+425:
+  %426 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %394
   %427 = load double, ptr %426, align 8
-  %428 = fmul double %425, %427
-  %429 = shl nsw i64 %399, 3
-  %430 = add nsw i64 %429, %392
-  %431 = getelementptr inbounds double, ptr %28, i64 %430
-  store double %428, ptr %431, align 8
-  %432 = add nsw i64 %403, 1
-  store i64 %432, ptr %402, align 8
-  %433 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %392
-  store i64 0, ptr %433, align 8
-  %434 = trunc i32 %395 to i8
-  %435 = or i8 %393, %434
-  br label %494
+  %428 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 17, i64 %405
+  %429 = load double, ptr %428, align 8
+  %430 = fmul double %427, %429
+  %431 = shl nsw i64 %401, 3
+  %432 = add nsw i64 %431, %394
+  %433 = getelementptr inbounds double, ptr %28, i64 %432
+  store double %430, ptr %433, align 8
+  %434 = add nsw i64 %405, 1
+  store i64 %434, ptr %404, align 8
+  %435 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %394
+  store i64 0, ptr %435, align 8
+  %436 = trunc i32 %397 to i8
+  %437 = or i8 %395, %436
+  br label %496
 
-436:
-  %437 = load i64, ptr %60, align 8
-  %438 = shl nsw i64 %437, 3
-  %439 = getelementptr inbounds double, ptr %28, i64 %438
-  %440 = getelementptr inbounds double, ptr %439, i64 %392
-  %441 = load i64, ptr %58, align 8
-  %442 = icmp sgt i64 %441, 0
-  br i1 %442, label %443, label %446
+438:
+  %439 = load i64, ptr %62, align 8
+  %440 = shl nsw i64 %439, 3
+  %441 = getelementptr inbounds double, ptr %28, i64 %440
+  %442 = getelementptr inbounds double, ptr %441, i64 %394
+  %443 = load i64, ptr %60, align 8
+  %444 = icmp sgt i64 %443, 0
+  br i1 %444, label %445, label %448
 
-443:
-  %444 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %392
-  %445 = load i64, ptr %444, align 8
-  br label %456
+445:
+  %446 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %394
+  %447 = load i64, ptr %446, align 8
+  br label %458
 
-446:
-  %447 = load ptr, ptr %40, align 8
-  %448 = icmp eq ptr %447, null
-  br i1 %448, label %449, label %492
+448:
+  %449 = load ptr, ptr %40, align 8
+  %450 = icmp eq ptr %449, null
+  br i1 %450, label %451, label %494
 
-449:
-  %450 = load i64, ptr %57, align 8
-  %451 = icmp sgt i64 %450, 0
-  br i1 %451, label %452, label %492
+451:
+  %452 = load i64, ptr %59, align 8
+  %453 = icmp sgt i64 %452, 0
+  br i1 %453, label %454, label %494
 
-452:
-  %453 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %392
-  %454 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %392
-  %455 = load i64, ptr %453, align 8
-  br label %468
+454:
+  %455 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %394
+  %456 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %394
+  %457 = load i64, ptr %455, align 8
+  br label %470
 
-456:
-  %457 = phi i64 [ 0, %443 ], [ %465, %456 ]
-  %458 = shl nsw i64 %457, 3
-  %459 = getelementptr inbounds double, ptr %440, i64 %458
-  %460 = load double, ptr %459, align 8
-  %461 = load ptr, ptr %43, align 8
-  %462 = getelementptr inbounds ptr, ptr %461, i64 %457
-  %463 = load ptr, ptr %462, align 8
-  %464 = getelementptr inbounds double, ptr %463, i64 %445
-  store double %460, ptr %464, align 8
-  %465 = add nuw nsw i64 %457, 1
-  %466 = load i64, ptr %58, align 8
-  %467 = icmp slt i64 %465, %466
-  br i1 %467, label %456, label %446
+458:
+  %459 = phi i64 [ 0, %445 ], [ %467, %458 ]
+  %460 = shl nsw i64 %459, 3
+  %461 = getelementptr inbounds double, ptr %442, i64 %460
+  %462 = load double, ptr %461, align 8
+  %463 = load ptr, ptr %43, align 8
+  %464 = getelementptr inbounds ptr, ptr %463, i64 %459
+  %465 = load ptr, ptr %464, align 8
+  %466 = getelementptr inbounds double, ptr %465, i64 %447
+  store double %462, ptr %466, align 8
+  %467 = add nuw nsw i64 %459, 1
+  %468 = load i64, ptr %60, align 8
+  %469 = icmp slt i64 %467, %468
+  br i1 %469, label %458, label %448
 
-468:
-  %469 = phi i64 [ 0, %452 ], [ %475, %474 ]
-  %470 = load i64, ptr %41, align 8
-  %471 = icmp slt i64 %455, %470
-  br i1 %471, label %472, label %474
-
-472:
-  %473 = load i64, ptr %454, align 8
-  br label %478
+470:
+  %471 = phi i64 [ 0, %454 ], [ %477, %476 ]
+  %472 = load i64, ptr %41, align 8
+  %473 = icmp slt i64 %457, %472
+  br i1 %473, label %474, label %476
 
 474:
-  %475 = add nuw nsw i64 %469, 1
-  %476 = load i64, ptr %57, align 8
-  %477 = icmp slt i64 %475, %476
-  br i1 %477, label %468, label %492
+  %475 = load i64, ptr %456, align 8
+  br label %480
 
-478:
-  %479 = phi i64 [ %490, %478 ], [ %470, %472 ]
-  %480 = phi i64 [ %489, %478 ], [ %455, %472 ]
-  %481 = load ptr, ptr %43, align 8
-  %482 = load i64, ptr %58, align 8
-  %483 = add nsw i64 %482, %469
-  %484 = getelementptr inbounds ptr, ptr %481, i64 %483
-  %485 = load ptr, ptr %484, align 8
-  %486 = mul nsw i64 %473, %479
-  %487 = add nsw i64 %486, %480
-  %488 = getelementptr inbounds double, ptr %485, i64 %487
-  store double 0x7FF8000000000000, ptr %488, align 8
-  %489 = add nsw i64 %480, 1
-  %490 = load i64, ptr %41, align 8
-  %491 = icmp slt i64 %489, %490
-  br i1 %491, label %478, label %474
+476:
+  %477 = add nuw nsw i64 %471, 1
+  %478 = load i64, ptr %59, align 8
+  %479 = icmp slt i64 %477, %478
+  br i1 %479, label %470, label %494
 
-492:
-  %493 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %392
-  store i64 -1, ptr %493, align 8
-  br label %494
+480:
+  %481 = phi i64 [ %492, %480 ], [ %472, %474 ]
+  %482 = phi i64 [ %491, %480 ], [ %457, %474 ]
+  %483 = load ptr, ptr %43, align 8
+  %484 = load i64, ptr %60, align 8
+  %485 = add nsw i64 %484, %471
+  %486 = getelementptr inbounds ptr, ptr %483, i64 %485
+  %487 = load ptr, ptr %486, align 8
+  %488 = mul nsw i64 %475, %481
+  %489 = add nsw i64 %488, %482
+  %490 = getelementptr inbounds double, ptr %487, i64 %489
+  store double 0x7FF8000000000000, ptr %490, align 8
+  %491 = add nsw i64 %482, 1
+  %492 = load i64, ptr %41, align 8
+  %493 = icmp slt i64 %491, %492
+  br i1 %493, label %480, label %476
 
 494:
-  %495 = phi i8 [ %435, %423 ], [ %393, %492 ], [ %393, %391 ]
-  %496 = add nuw nsw i64 %392, 1
-  %497 = icmp eq i64 %496, 8
-  br i1 %497, label %498, label %391
+  %495 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %394
+  store i64 -1, ptr %495, align 8
+  br label %496
 
-498:
-  %499 = phi i8 [ %66, %216 ], [ %495, %494 ]
-  br i1 %217, label %500, label %65
+496:
+  %497 = phi i8 [ %437, %425 ], [ %395, %494 ], [ %395, %393 ]
+  %498 = add nuw nsw i64 %394, 1
+  %499 = icmp eq i64 %498, 8
+  br i1 %499, label %500, label %393
 
 500:
-  %501 = add nuw nsw i64 %46, 1
-  %502 = load i64, ptr %3, align 8
-  %503 = icmp slt i64 %501, %502
-  br i1 %503, label %45, label %44
+  %501 = phi i8 [ %68, %215 ], [ %497, %496 ]
+  br i1 %216, label %502, label %67
 
-504:
+502:
+  %503 = add nuw nsw i64 %46, 1
+  %504 = load i64, ptr %3, align 8
+  %505 = icmp slt i64 %503, %504
+  br i1 %505, label %45, label %44
+
+506:
   ret ptr null
 }
 

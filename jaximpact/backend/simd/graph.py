@@ -24,15 +24,25 @@ Number = float | int | bool
 class Node:
     """The result of one operation."""
 
-    __slots__ = ("arguments", "kind", "number", "operation")
+    __slots__ = ("along", "arguments", "kind", "number", "operation")
 
-    def __init__(self, operation: str, kind: str, arguments: tuple, number: int):
+    def __init__(
+        self, operation: str, kind: str, arguments: tuple, number: int, along: bool
+    ):
         self.operation, self.kind, self.arguments = operation, kind, arguments
         self.number = number
         """Place in the order of making: higher than its arguments'."""
+        self.along = along
+        """True for a derivative along a direction, which is linear in others; a value
+        is the same for all directions."""
 
 
 Value = Node | Number
+
+
+def is_along(value: Value) -> bool:
+    """Tell whether a value is a derivative along a direction."""
+    return isinstance(value, Node) and value.along
 
 
 def kind_of(value: Value) -> str:
@@ -144,16 +154,17 @@ class Graph:
     def __init__(self):
         self._known: dict[tuple, Node] = {}
 
-    def _remember(self, key: tuple, kind: str, arguments: tuple) -> Node:
+    def _remember(self, key: tuple, kind: str, arguments: tuple, along: bool) -> Node:
         node = self._known.get(key)
         if node is None:
-            node = Node(key[0], kind, arguments, len(self._known))
+            node = Node(key[0], kind, arguments, len(self._known), along)
             self._known[key] = node
         return node
 
-    def input(self, place: int, kind: str) -> Node:
-        """Return the node of the value in a row of the kernel's memory."""
-        return self._remember((INPUT, place), kind, (place,))
+    def input(self, place: int, kind: str, along: bool = False) -> Node:
+        """Return the node of the value, or of the derivative along a direction, in a
+        row of the kernel's memory."""
+        return self._remember((INPUT, place), kind, (place,), along)
 
     def apply(self, name: str, *arguments: Value) -> Value:
         """Apply an operation of `OPERATIONS`; numbers alone give a number."""
@@ -172,41 +183,14 @@ class Graph:
         same = _simplified(name, arguments)
         if same is not None:
             return same
+        along = any(map(is_along, arguments))
         if operation.commutes:
             first, second = keys
             if isinstance(first, tuple) or (
                 not isinstance(second, tuple) and second < first
             ):
                 keys = [second, first]
-        return self._remember((name, *keys), operation.kind, arguments)
-
-    def repeat(
-        self, copies: int, row_in_copy: Callable[[int, int], int]
-    ) -> list[dict[int, Value]]:
-        """Repeat what is worked out from a copy's own inputs for further copies.
-
-        Copies of a node stand side by side in the order of making, so that the
-        processor has several to work on. It is the last that is done to a graph.
-
-        Args:
-            row_in_copy: gives the row in another copy for one of the first.
-
-        Returns:
-            For each copy but the first its nodes, by `id` of the first one's.
-        """
-        others: list[dict[int, Value]] = [{} for _ in range(copies - 1)]
-        for node in self._known.values():
-            node.number *= copies
-            for copy, made in enumerate(others, 1):
-                arguments = node.arguments
-                if node.operation == INPUT:
-                    arguments = (row_in_copy(arguments[0], copy),)
-                else:
-                    arguments = tuple(made.get(id(a), a) for a in arguments)
-                if arguments != node.arguments:
-                    number = node.number + copy
-                    made[id(node)] = Node(node.operation, node.kind, arguments, number)
-        return others
+        return self._remember((name, *keys), operation.kind, arguments, along)
 
     def choose(self, condition: Value, yes: Value, no: Value) -> Value:
         """Select `yes` where the condition is true, else `no`."""

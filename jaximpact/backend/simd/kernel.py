@@ -15,8 +15,8 @@ import jax
 import numpy as np
 
 from .driver import Program
+from .functions import Function, Output, Rows, write_function
 from .graph import FLOAT, INPUT, NUMPY, Graph, Node, Value
-from .llvm_ir import Function, Output, write_function
 from .lower_jaxpr import Dual, Translator
 from .object_files import compile_functions, lanes_for, load
 
@@ -33,6 +33,8 @@ class Code(NamedTuple):
     """Rows of inputs, state, results and samples together."""
     spare_rows: int
     """Rows behind them, for what functions keep while they run."""
+    directions: int = 0
+    """The most along which there are derivatives."""
     time_row: int = -1
     """Row of the state that holds the time reached; -1 where nothing is sampled."""
     sampled_rows: int = 0
@@ -83,6 +85,17 @@ class Kernel:
             self.program.failed = retries.failed
             self.program.most_steps = retries.most_steps
             self.program.retries[:] = retries.factors
+
+    def program_along(self, directions: int) -> Program:
+        """Return the program for so many of the directions: rows of the first ones."""
+        code, program = self.code, Program.from_buffer_copy(self.program)
+        of_all = code.input_rows - code.common_inputs
+        program.input_rows -= of_all - of_all // max(code.directions, 1) * directions
+        program.result_rows //= 1 + code.directions
+        program.result_rows *= 1 + directions
+        program.sampled_rows //= 1 + code.directions
+        program.sampled_rows *= 1 + directions
+        return program
 
     @property
     def layout(self) -> bytes:
@@ -184,12 +197,13 @@ def _compiled(
         strict=True,
     )
     code = Code(
-        compile_functions(written, layout.directions or 1),
+        compile_functions(written, layout.directions > 0),
         at_inputs.rows,
         at_inputs.size,
         at_results.rows,
         layout.rows,
         max(spare_rows),
+        layout.directions,
         time_row,
         sampled_rows,
     )
@@ -277,10 +291,10 @@ def _written(
     its results go to those of the targets, but for the truth that it `says` last."""
     graph, kinds = Graph(), iter(traced.in_avals)
 
-    def inputs(row: int, shape: tuple[int, ...], kind: str) -> np.ndarray:
+    def inputs(row: int, shape: tuple[int, ...], kind: str, along=False) -> np.ndarray:
         values = np.empty(shape, object)
         for index in np.ndindex(shape):
-            values[index] = graph.input(row, kind)
+            values[index] = graph.input(row, kind, along)
             row += 1
         return values
 
@@ -289,7 +303,9 @@ def _written(
         row, tangents = part.start, part.rows_of_tangents()
         for leaf, shape in enumerate(part.shapes):
             values = inputs(row, shape, NUMPY[next(kinds).dtype.kind])
-            tangent = inputs(tangents[leaf], shape, FLOAT) if leaf in tangents else None
+            tangent = None
+            if leaf in tangents:
+                tangent = inputs(tangents[leaf], shape, FLOAT, along=True)
             arguments.append(Dual(values, tangent))
             row += math.prod(shape)
     results = Translator(graph).run(traced.jaxpr, traced.consts, arguments)
@@ -298,12 +314,6 @@ def _written(
         *results, truth = results
         said = truth.values.item()
 
-    def row_along(row: int, direction: int) -> int:
-        strides = (p.stride for p in sources if 0 <= row - p.tangents < p.stride)
-        return row + direction * next(strides, 0)
-
-    directions = max(layout.directions, 1)
-    others = graph.repeat(directions, row_along)
     outputs, remaining = [], iter(results)
     for part in targets:
         row, tangents = part.start, part.rows_of_tangents()
@@ -311,15 +321,10 @@ def _written(
             result = next(remaining)
             outputs += map(Output, count(row), result.values.ravel())
             row += math.prod(shape)
-            if leaf not in tangents:
-                continue
-            tangent = np.zeros(shape) if result.tangent is None else result.tangent
-            first = tangent.ravel().tolist()
-            outputs += map(Output, count(tangents[leaf]), first)
-            for direction, other in enumerate(others, 1):
-                start = tangents[leaf] + direction * part.stride
-                along = [other.get(id(value), value) for value in first]
-                outputs += map(Output, count(start), along)
+            if leaf in tangents:
+                tangent = np.zeros(shape) if result.tangent is None else result.tangent
+                values = tangent.ravel().tolist()
+                outputs += map(Output, count(tangents[leaf]), values)
     # What is in its row already stays there.
     changed = [
         output
@@ -327,5 +332,12 @@ def _written(
         if not isinstance(output.value, Node)
         or (output.value.operation, output.value.arguments) != (INPUT, (output.row,))
     ]
-    lanes = lanes_for(directions)
-    return write_function(name, changed, said, masked, layout.rows, lanes)
+    strides = {
+        row + place: part.stride
+        for part in (*sources, *targets)
+        for leaf, row in part.rows_of_tangents().items()
+        for place in range(math.prod(part.shapes[leaf]))
+    }
+    rows = Rows(layout.rows, layout.directions, strides)
+    lanes = lanes_for(layout.directions > 0)
+    return write_function(name, changed, said, rows, masked, lanes)

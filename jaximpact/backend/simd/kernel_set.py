@@ -28,23 +28,32 @@ once more."""
 
 class KernelSet:
     """Kernels with the same rows of inputs and of results, by which lanes are computed
-    and differentiated along so many directions."""
+    and differentiated along so many directions, of those that the kernels have."""
 
     def __init__(self, kernels: Sequence[Kernel], directions: int = 0):
         if len(kernels) > PROGRAMS:
             raise ValueError(f"{len(kernels)} kernels, but there can be {PROGRAMS}")
-        first = kernels[0].program
+        first = kernels[0].program_along(directions)
         self.kernels, self.directions = tuple(kernels), directions
         self.structure = kernels[0].structure
         self.result_rows, self.sampled_rows = first.result_rows, first.sampled_rows
         self.inputs = kernels[0].code.common_inputs
         self._settings = Operation()
         self._fill(self._settings)
+        self._along: dict[int, KernelSet] = {directions: self}
+
+    def along(self, directions: int) -> "KernelSet":
+        """Return the set of the same kernels along so many directions, always the
+        same one: what JAX keeps is kept by it."""
+        if directions not in self._along:
+            others = KernelSet(self.kernels, directions)
+            return self._along.setdefault(directions, others)
+        return self._along[directions]
 
     def _fill(self, settings: Operation) -> None:
         settings.count = len(self.kernels)
         for place, kernel in enumerate(self.kernels):
-            settings.programs[place] = kernel.program
+            settings.programs[place] = kernel.program_along(self.directions)
         settings.directions = self.directions
         settings.samples = self.sampled_rows > 0
         settings.leaves = self.inputs
@@ -90,7 +99,7 @@ class KernelSet:
             effort: less for lanes that take longer, which begin first; by default they
                 begin in order.
             program: place of each lane's kernel, if there are several.
-            along: input of each direction; -1 for a direction that is not wanted.
+            along: input of each direction.
             times: at which samples are taken, increasing.
 
         Returns:

@@ -1,15 +1,9 @@
-"""Writing of graphs in LLVM's language.
+"""Instructions in LLVM's language for the nodes of a graph.
 
 A division takes the time of some ten products. So a quotient is written as a product
 with the inverse of its divisor, which all quotients by it share; and the inverse of a
 product, a quotient or a choice is put together from those of its parts. A sum takes the
 product in it along.
-
-LLVM's time grows faster than the length of a function. So long functions are divided
-into parts, which can be compiled side by side. What one part works out for another goes
-through rows of the memory that all work on; it would have gone through the stack
-anyway. A vector has all eight lanes of a row, or half of them: then a part runs for one
-half, and for the other.
 
 How a value is written depends on what it is made of alone, and never on what else is
 worked out beside it: code with derivatives, or with a ledger, gives the same values to
@@ -25,7 +19,7 @@ import struct
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value, kind_of
+from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value
 
 PACK = 8
 """Lanes side by side: the numbers of a row."""
@@ -33,13 +27,6 @@ NOWHERE = 65_535
 """Last address of those at which no system has memory. Columns without a lane, whose
 memory is zeros, come to addresses below it, and read zeros."""
 NAME = re.compile(r"%v\d+")
-WHOLE = 12_000
-"""Lines of the longest function that is not divided. Values alone run slower divided:
-their steps, of some 6 000 lines, by a tenth."""
-PART = 300
-"""Lines of a part of a function: its machine code fits twice into the 32 KB in which a
-processor holds instructions at hand. Derivatives run a tenth slower by parts of 1 500
-lines, and two tenths by parts of 6 000; by those of 120 they run no faster."""
 
 
 class Vectors:
@@ -62,6 +49,12 @@ class Vectors:
         """Names that the templates of `OPERATIONS` have for them."""
 
     @property
+    def has_long_truths(self) -> bool:
+        """Tell whether truths are as long as numbers in memory: on a processor without
+        registers for them, for which vectors are of half the lanes."""
+        return self.lanes < PACK
+
+    @property
     def declarations(self) -> str:
         """What a module declares that has functions on them."""
         f, n = self.floats, self.lanes
@@ -74,28 +67,9 @@ attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
 
 
-class Output(NamedTuple):
-    """A value that a function stores in a row."""
-
-    row: int
-    value: Value
-
-
-class Function(NamedTuple):
-    """A function in LLVM's language."""
-
-    parts: list[str]
-    """Definitions, each on vectors."""
-    head: str = ""
-    """Definition of what calls them one after the other; none of a single part for all
-    lanes."""
-    declarations: str = ""
-    """Those of the parts, for a module that has the head alone."""
-
-
 def in_order(roots: Iterable[Value]) -> list[Node]:
-    """List all nodes that the roots need, each after its arguments: inputs where they
-    are first needed, the others as they were made.
+    """List all nodes that the roots need but the inputs, in the order of their making,
+    each after its arguments.
 
     LLVM keeps the order of what depends on nothing between, by and large. As made, a
     derivative stands by what it is the derivative of. Root by root instead, two
@@ -109,13 +83,8 @@ def in_order(roots: Iterable[Value]) -> list[Node]:
         if node.number not in needed:
             needed[node.number] = node
             stack.extend(a for a in node.arguments if isinstance(a, Node))
-    ordered: dict[int, Node] = {}
-    for number in sorted(needed):
-        node = needed[number]
-        if node.operation != INPUT:
-            ordered |= {a.number: a for a in node.arguments if isinstance(a, Node)}
-            ordered[number] = node
-    return list((ordered | needed).values())
+    ordered = (needed[number] for number in sorted(needed))
+    return [node for node in ordered if node.operation != INPUT]
 
 
 MAY_BE_PRODUCTS = {"multiply", "divide", "negate", "choose_float", "magnitude"}
@@ -144,11 +113,15 @@ def product_in(node: Node) -> int | None:
     """Find the index, among the operands of a sum or difference, of the product that is
     fused with it into one instruction, which rounds once; None if none is.
 
-    Not where both operands may be products: what is zero by symmetry would become the
-    rounding of one of them, and the first steps noise.
+    Not where both operands of values may be products: what is zero by symmetry would
+    become the rounding of one of them, and the first steps noise. Derivatives `along` a
+    direction are sums of products, and control no step.
     """
     if node.operation not in ("add", "subtract"):
         return None
+    if node.along:
+        products = map(is_product, node.arguments)
+        return next((place for place, is_one in enumerate(products) if is_one), None)
     may_be = [
         isinstance(operand, Node) and operand.operation in MAY_BE_PRODUCTS
         for operand in node.arguments
@@ -157,6 +130,13 @@ def product_in(node: Node) -> int | None:
         return None
     place = may_be.index(True)
     return place if node.arguments[place].operation == "multiply" else None
+
+
+def is_product(value: Value) -> bool:
+    """Tell whether a value is written as a product."""
+    return isinstance(value, Node) and (
+        value.operation == "multiply" or is_quotient(value)
+    )
 
 
 def _constant(number: float | int | bool) -> str:
@@ -170,85 +150,87 @@ def _constant(number: float | int | bool) -> str:
 ONE, ZERO = _constant(1.0), _constant(0.0)
 
 
-class _Writer:
+class Line(NamedTuple):
+    """An instruction."""
+
+    text: str
+    made: str
+    """Name of its result."""
+    used: list[str]
+    along: bool
+    """True for what is worked out for each direction."""
+
+
+class Writer:
     """Lines of one function on the rows of `%work`."""
 
     def __init__(self, vectors: Vectors):
         self.vectors = vectors
-        self.lines: list[str] = []
+        self.lines: list[Line] = []
         self.names: dict[int, str] = {}
         self.inverses: dict[int, str] = {}
         self.breaks: list[int] = []
         """Lines before which a part of the function may begin."""
         self.types: dict[str, str] = {}
         """LLVM type of each value that one part may hand on to another."""
+        self.inputs: dict[str, Node] = {}
+        """Inputs by name: each part reads those that it needs."""
+        self.is_along = False
+        self.count = 0
 
     def name(self, value: Value) -> str:
-        return self.names[id(value)] if isinstance(value, Node) else _constant(value)
+        if not isinstance(value, Node):
+            return _constant(value)
+        if value.operation == INPUT and id(value) not in self.names:
+            name = self.names[id(value)] = self.new_name()
+            self.inputs[name] = value
+        return self.names[id(value)]
+
+    def new_name(self) -> str:
+        self.count += 1
+        return f"%v{self.count}"
 
     def new(self, text: str) -> str:
         """Add an instruction; return the name of its result."""
-        name = f"%v{len(self.lines)}"
-        self.lines.append(f"  {name} = {text}")
+        name = self.new_name()
+        self.lines.append(
+            Line(f"  {name} = {text}", name, NAME.findall(text), self.is_along)
+        )
         return name
-
-    def row(self, row: int) -> str:
-        return self.new(f"getelementptr double, ptr %work, i64 {row * PACK}")
-
-    def read(self, row: int) -> str:
-        vectors = self.vectors
-        return self.new(f"load {vectors.floats}, ptr {self.row(row)}, {vectors.align}")
-
-    def load(self, row: int, kind: str) -> str:
-        read, vectors = self.read(row), self.vectors
-        if kind == TRUTH:
-            return self.new(f"fcmp une {vectors.floats} {read}, {ZERO}")
-        if kind == INTEGER:
-            return self.new(f"fptosi {vectors.floats} {read} to {vectors.integers}")
-        return read
-
-    def store(self, output: Output, mask: str | None) -> None:
-        name, kind = self.name(output.value), kind_of(output.value)
-        floats, truths = self.vectors.floats, self.vectors.truths
-        if kind == TRUTH:
-            name = self.new(f"select {truths} {name}, {floats} {ONE}, {floats} {ZERO}")
-        if kind == INTEGER:
-            name = self.new(f"sitofp {self.vectors.integers} {name} to {floats}")
-        if mask:
-            old = self.read(output.row)
-            name = self.new(f"select {truths} {mask}, {floats} {name}, {floats} {old}")
-        row = self.row(output.row)
-        self.lines.append(f"  store {floats} {name}, ptr {row}, {self.vectors.align}")
 
     def write(self, nodes: list[Node]) -> None:
         for node in nodes:
             self.breaks.append(len(self.lines))
+            self.is_along = node.along
             name = self.names[id(node)] = self.written(node)
             self.types[name] = self.vectors.of[node.kind]
 
     def written(self, node: Node) -> str:
         """Write a node; return the name of its result."""
         operation, arguments = node.operation, node.arguments
-        if operation == INPUT:
-            return self.load(arguments[0], node.kind)
         if operation == "entry":
             return self.entry(self.name(arguments[0]))
         if is_quotient(node):
-            numerator, divisor = arguments
-            inverse = self.inverse(divisor)
-            if numerator == 1.0:
-                return inverse
-            return self.operation("multiply", self.name(numerator), inverse)
+            if arguments[0] == 1.0:
+                return self.inverse(arguments[1])
+            return self.operation("multiply", *self.factors(node))
         place = product_in(node)
         if place is None:
             return self.operation(operation, *map(self.name, arguments))
-        one, other = map(self.name, arguments[place].arguments)
+        one, other = self.factors(arguments[place])
         rest = self.name(arguments[1 - place])
         if operation == "subtract" and place == 0:
             rest = self.operation("negate", rest)
         if operation == "subtract" and place == 1:
             one = self.operation("negate", one)
         return self.operation("fused", one, other, rest)
+
+    def factors(self, product: Node) -> tuple[str, str]:
+        """Return the names of the factors of what is written as a product."""
+        first, second = product.arguments
+        if product.operation == "divide":
+            return self.name(first), self.inverse(second)
+        return self.name(first), self.name(second)
 
     def entry(self, address: str) -> str:
         """Read the numbers at some addresses."""
@@ -269,8 +251,10 @@ class _Writer:
         if not isinstance(value, Node):
             return _constant(OPERATIONS["divide"].fold(1.0, value))
         if id(value) not in self.inverses:
+            asking, self.is_along = self.is_along, value.along
             name = self.inverses[id(value)] = self.new_inverse(value)
             self.types[name] = self.vectors.floats
+            self.is_along = asking
         return self.inverses[id(value)]
 
     def new_inverse(self, value: Node) -> str:
@@ -283,172 +267,3 @@ class _Writer:
         if value.operation == "divide":
             return self.operation("multiply", self.name(value.arguments[1]), *inverses)
         return self.operation("choose_float", self.name(value.arguments[0]), *inverses)
-
-
-def write_function(
-    name: str,
-    outputs: list[Output],
-    truth: Value,
-    masked: bool = False,
-    free_row: int = 0,
-    lanes: int = PACK,
-) -> tuple[Function, int]:
-    """Write a function on the rows of the memory that it is called with, of which it
-    may use those from `free_row` on; also return how many of these it uses.
-
-    Its second argument names columns by their bits. It stores the outputs in these, but
-    in others too unless `masked`, and returns the bits of a truth.
-
-    Args:
-        lanes: of a vector.
-    """
-    writer = _Writer(Vectors(lanes))
-    writer.write(in_order([*(output.value for output in outputs), truth]))
-    writer.breaks.append(len(writer.lines))
-    truths = writer.vectors.truths
-    mask = writer.new(f"bitcast i{lanes} %columns to {truths}") if masked else None
-    for output in outputs:
-        writer.store(output, mask)
-    bits = writer.new(f"bitcast {truths} {writer.name(truth)} to i{lanes}")
-    parts, used = _in_parts(writer, free_row)
-    if len(parts) == 1 and lanes == PACK:
-        return Function([_definition(name, lanes, parts[0], bits)]), used
-    names = [f"{name}_{place}" for place in range(len(parts))]
-    results = [*["0"] * (len(parts) - 1), bits]
-    definitions = [
-        _definition(part_name, lanes, part, result)
-        for part_name, part, result in zip(names, parts, results, strict=True)
-    ]
-    declarations = (f"declare i{lanes} @{part}(ptr, i{lanes})\n" for part in names)
-    return Function(definitions, _head(name, names, lanes), "".join(declarations)), used
-
-
-def _definition(name: str, lanes: int, lines: list[str], result: str) -> str:
-    first = f"define i{lanes} @{name}(ptr %work, i{lanes} %columns) #0 {{"
-    return "\n".join([first, *lines, f"  ret i{lanes} {result}", "}\n"])
-
-
-def _head(name: str, parts: list[str], lanes: int) -> str:
-    """Write the function that calls the parts one after the other, each for every
-    vector in which a column is wanted: its instructions are at hand then. The last one
-    gives the bits.
-
-    It takes their addresses from a table: a call by relative address, from one object
-    file to another, might not reach. Calls are written out, since a processor foresees
-    where each leads; in a loop derivatives take a sixth longer.
-    """
-    table, starts = f"@{name}_parts", [*range(0, PACK, lanes)]
-    addresses = ", ".join(f"ptr @{part}" for part in parts)
-    lines = [
-        f"{table} = global [{len(parts)} x ptr] [{addresses}]",
-        f"define i{PACK} @{name}(ptr %work, i{PACK} %columns) {{",
-    ]
-    for start in starts:
-        lines += [
-            f"  %work{start} = getelementptr double, ptr %work, i64 {start}",
-            f"  %shifted{start} = lshr i{PACK} %columns, {start}",
-            f"  %columns{start} = {_resized(f'%shifted{start}', PACK, lanes)}",
-            f"  %empty{start} = icmp eq i{lanes} %columns{start}, 0",
-        ]
-    if len(starts) == 2:
-        for start, other in (starts, starts[::-1]):
-            lines += [
-                f"  br i1 %empty{other}, label %only{start}, label %not{start}",
-                f"only{start}:",
-                *_calls(table, len(parts), [start], lanes, f"_only{start}"),
-                f"not{start}:",
-            ]
-    return "\n".join([*lines, *_calls(table, len(parts), starts, lanes, ""), "}\n"])
-
-
-def _calls(
-    table: str, parts: int, starts: list[int], lanes: int, suffix: str
-) -> list[str]:
-    """Write the calls of the parts for vectors that start at some columns, and the
-    return of their bits; the suffix tells names from those of other calls."""
-    lines = []
-    for place in range(parts):
-        lines += [
-            f"  %at{place}{suffix} = getelementptr ptr, ptr {table}, i64 {place}",
-            f"  %part{place}{suffix} = load ptr, ptr %at{place}{suffix}",
-        ]
-        lines += [
-            f"  %bits{place}_{start}{suffix} = call i{lanes} %part{place}{suffix}"
-            f"(ptr %work{start}, i{lanes} %columns{start})"
-            for start in starts
-        ]
-    bits = "0"
-    for start in starts:
-        of_part = f"%bits{parts - 1}_{start}{suffix}"
-        lines += [
-            f"  %wide{start}{suffix} = {_resized(of_part, lanes, PACK)}",
-            f"  %placed{start}{suffix} = shl i{PACK} %wide{start}{suffix}, {start}",
-            f"  %all{start}{suffix} = or i{PACK} {bits}, %placed{start}{suffix}",
-        ]
-        bits = f"%all{start}{suffix}"
-    return [*lines, f"  ret i{PACK} {bits}"]
-
-
-def _resized(value: str, before: int, after: int) -> str:
-    """Write the conversion between integers of so many bits."""
-    if before == after:
-        return f"or i{before} {value}, 0"
-    return f"{'zext' if after > before else 'trunc'} i{before} {value} to i{after}"
-
-
-def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
-    """Divide a long function, and add lines that hand on what later parts need, in rows
-    from `free_row` on. Returns the lines by part, and how many rows they take."""
-    if len(writer.lines) <= WHOLE:
-        return [writer.lines], 0
-    align = writer.vectors.align
-    ends, begin = [], 0
-    for place in writer.breaks:
-        if place - begin >= PART and len(writer.lines) - place >= PART // 2:
-            ends.append(place)
-            begin = place
-    bounds = list(zip([0, *ends], [*ends, len(writer.lines)], strict=True))
-    made_in: dict[str, int] = {}
-    last_use: dict[str, int] = {}
-    for part, (begin, end) in enumerate(bounds):
-        for line in writer.lines[begin:end]:
-            made, *used = NAME.findall(line)
-            if " = " in line:
-                made_in[made] = part
-            else:
-                used.append(made)
-            last_use |= dict.fromkeys(used, part)
-    handed_on = {n for n, part in last_use.items() if part > made_in[n]}
-    rows: dict[str, int] = {}
-    free: list[int] = []
-    most = 0
-    written = []
-
-    def address(name: str, lines: list[str]) -> str:
-        at, row = f"%at{len(lines)}", free_row + rows[name]
-        lines.append(f"  {at} = getelementptr double, ptr %work, i64 {row * PACK}")
-        return f"ptr {at}, {align}"
-
-    for part, (begin, end) in enumerate(bounds):
-        lines, here = [], set()
-        for line in writer.lines[begin:end]:
-            names = NAME.findall(line)
-            gives = " = " in line
-            for name in names[gives:]:
-                if made_in[name] < part and name not in here:
-                    here.add(name)
-                    at = address(name, lines)
-                    lines.append(f"  {name} = load {writer.types[name]}, {at}")
-            lines.append(line)
-            if gives and names[0] in handed_on:
-                if not free:
-                    free.append(most)
-                    most += 1
-                name = names[0]
-                rows[name] = free.pop()
-                at = address(name, lines)
-                lines.append(f"  store {writer.types[name]} {name}, {at}")
-        # What no later part reads makes room for what the next one gives.
-        free += [rows.pop(name) for name in list(rows) if last_use[name] == part]
-        written.append(lines)
-    return written, most

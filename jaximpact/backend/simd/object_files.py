@@ -9,7 +9,8 @@ import numpy as np
 
 from ..threads import thread_count
 from .compiler import compile_apart, compile_module
-from .llvm_ir import PACK, Function, Vectors
+from .functions import Function
+from .llvm_ir import PACK, Vectors
 from .target import this_target
 
 APART = 5_000
@@ -27,15 +28,16 @@ def keep_objects(keep: Keep) -> None:
     _keep = keep
 
 
-def lanes_for(copies: int) -> int:
-    """Choose how many lanes the vectors of functions have that work out so many copies.
+def lanes_for(differentiated: bool) -> int:
+    """Choose how many lanes the vectors of functions have, with derivatives or without.
 
     Where a register holds four numbers, there are sixteen of them: vectors of eight
     take two each, and what derivatives need at once does not fit. With vectors of four
     they run a fifth faster, and compile in a third of the time. Values alone would run
     a fifth slower: half of the lanes does not keep the processor busy.
     """
-    return PACK if copies == 1 or this_target().has_long_vectors else PACK // 2
+    halves = differentiated and not this_target().has_long_vectors
+    return PACK // 2 if halves else PACK
 
 
 def compile_text(text: str, external_calls: bool = False) -> bytes:
@@ -49,13 +51,15 @@ def compile_text(text: str, external_calls: bool = False) -> bytes:
     return _kept(text, external_calls, lambda: target.object_file(text, external_calls))
 
 
-def compile_functions(functions: Sequence[Function], copies: int) -> list[bytes]:
-    """Return the machine code of functions that work out so many copies, as object
+def compile_functions(
+    functions: Sequence[Function], differentiated: bool
+) -> list[bytes]:
+    """Return the machine code of functions, with derivatives or without, as object
     files in the order in which they are to be loaded.
 
     Raises NoMachineCode where this computer can run none.
     """
-    target, lanes = this_target(), lanes_for(copies)
+    target, lanes = this_target(), lanes_for(differentiated)
     text = module_of(functions, lanes)
 
     def make() -> bytes:
@@ -63,7 +67,7 @@ def compile_functions(functions: Sequence[Function], copies: int) -> list[bytes]
         count = min(text.count("\n") // APART, thread_count())
         # Where a register holds eight numbers, values alone run a tenth slower without
         # LLVM's scheduling.
-        if count and (copies > 1 or not target.has_long_vectors):
+        if count and (differentiated or not target.has_long_vectors):
             objects = compile_apart(machine, _modules(functions, lanes, count))
         if objects is None:
             objects = [compile_module(machine, text)]

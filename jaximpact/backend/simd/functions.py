@@ -1,0 +1,390 @@
+"""Functions in LLVM's language, whole or in parts.
+
+LLVM's time grows faster than the length of a function. So long functions are divided
+into parts, which can be compiled side by side. What one part works out for another goes
+through rows of the memory that all work on; it would have gone through the stack
+anyway. A vector has all eight lanes of a row, or half of them: then a part runs for one
+half, and for the other.
+
+What depends on a direction is in parts of its own, which run once for each direction,
+on its rows: they are compiled once, and are in the processor's caches when they run
+again. Values never depend on derivatives.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from .graph import INTEGER, TRUTH, Node, Value, kind_of
+from .llvm_ir import ONE, PACK, ZERO, Line, Vectors, Writer, in_order
+
+WHOLE = 12_000
+"""Lines of the longest function of values alone that is not divided. They run slower
+divided: their steps, of some 6 000 lines, by a tenth."""
+PART = 300
+"""Lines of a part of a function: its machine code fits twice into the 32 KB in which a
+processor holds instructions at hand."""
+
+
+class Output(NamedTuple):
+    """A value that a function stores in a row."""
+
+    row: int
+    value: Value
+
+
+class Function(NamedTuple):
+    """A function in LLVM's language."""
+
+    parts: list[str]
+    """Definitions, each on vectors."""
+    head: str = ""
+    """Definition of what calls them one after the other; none of a single part for all
+    lanes."""
+    declarations: str = ""
+    """Those of the parts, for a module that has the head alone."""
+
+
+class Rows(NamedTuple):
+    """Rows that a function works on."""
+
+    free: int
+    """First of those that it may use for itself."""
+    directions: int = 0
+    strides: Mapping[int, int] = {}
+    """Row of a derivative along the first direction -> how many rows further that along
+    the next one is."""
+
+
+def write_function(
+    name: str,
+    outputs: Sequence[Output],
+    truth: Value,
+    rows: Rows,
+    masked: bool = False,
+    lanes: int = PACK,
+) -> tuple[Function, int]:
+    """Write a function on rows of the memory that it is called with; also return how
+    many of the free ones it uses.
+
+    Its second argument names columns by their bits, its third one is the number of
+    directions that are wanted, of those for which there are rows. It stores the outputs
+    in these columns, but in others too unless `masked`, and returns the bits of a
+    truth.
+
+    Args:
+        lanes: of a vector.
+    """
+    writer = Writer(Vectors(lanes))
+    writer.write(in_order([*(output.value for output in outputs), truth]))
+    parts = _divided(writer, outputs, rows)
+    parts[-1].says = writer.name(truth)
+    handed_on = _HandedOn(writer, parts)
+    for place, part in enumerate(parts):
+        _Text(part, place, writer, rows, handed_on).write(masked)
+    spare = handed_on.common + rows.directions * handed_on.along
+    if len(parts) == 1 and lanes == PACK:
+        return Function([_definition(name, parts[0], lanes, rows, handed_on)]), spare
+    names = [f"{name}_{place}" for place in range(len(parts))]
+    named = list(zip(names, parts, strict=True))
+    function = Function(
+        [_definition(own, part, lanes, rows, handed_on) for own, part in named],
+        _head(name, named, lanes),
+        "".join(f"declare i{lanes} @{n}(ptr, i{lanes}, i64)\n" for n, _ in named),
+    )
+    return function, spare
+
+
+class _Part:
+    """A part of a function under way."""
+
+    def __init__(self, made: list[Line], along: bool, outputs: Sequence[Output] = ()):
+        self.made, self.along, self.outputs = made, along, outputs
+        """Instructions; whether they are carried out for each direction; and what it
+        stores at its end."""
+        self.says: str | None = None
+        """Name of the truth that it returns."""
+        self.lines: list[str] = []
+
+
+def _divided(writer: Writer, outputs: Sequence[Output], rows: Rows) -> list[_Part]:
+    """Divide a function. Outputs are stored where nothing that they overwrite is read
+    any more."""
+    lines = writer.lines
+    along = [output for output in outputs if output.row in rows.strides]
+    others = [output for output in outputs if output.row not in rows.strides]
+    if not along and len(lines) <= WHOLE:
+        return [_Part(lines, False, others)]
+    ends, begin = [], 0
+    for place in writer.breaks:
+        if place - begin >= PART and len(lines) - place >= PART // 2:
+            ends.append(place)
+            begin = place
+    parts = []
+    for first, last in zip([0, *ends], [*ends, len(lines)], strict=True):
+        for of_directions in (False, True):
+            made = [line for line in lines[first:last] if line.along == of_directions]
+            if made:
+                parts.append(_Part(made, of_directions))
+    return [*parts, _Part([], True, along), _Part([], False, others)]
+
+
+class _HandedOn:
+    """Rows in which parts hand on values to later ones."""
+
+    def __init__(self, writer: Writer, parts: Sequence[_Part]):
+        self.common, self.along = 0, 0
+        """How many there are, for values and for what each direction has."""
+        self.made_in: dict[str, int] = {}
+        self.is_along: dict[str, bool] = {}
+        self.last_use: dict[str, int] = {}
+        for place, part in enumerate(parts):
+            used = [name for line in part.made for name in line.used]
+            used += [writer.name(output.value) for output in part.outputs]
+            used += [part.says] if part.says is not None else []
+            self.last_use |= dict.fromkeys(used, place)
+            self.made_in |= dict.fromkeys((line.made for line in part.made), place)
+            self.is_along |= {line.made: line.along for line in part.made}
+        self._rows: dict[str, int] = {}
+        self._free: dict[bool, list[int]] = {False: [], True: []}
+
+    def is_needed(self, name: str) -> bool:
+        """Tell whether a later part reads a value."""
+        return self.last_use.get(name, -1) > self.made_in[name]
+
+    def row(self, name: str) -> int:
+        """Return the row of a value, among those of its kind."""
+        if name not in self._rows:
+            along = self.is_along[name]
+            if not self._free[along]:
+                self._free[along].append(self.along if along else self.common)
+                self.along, self.common = self.along + along, self.common + (not along)
+            self._rows[name] = self._free[along].pop()
+        return self._rows[name]
+
+    def make_room(self, place: int) -> None:
+        """Forget what no part after this one reads."""
+        for name in [n for n in self._rows if self.last_use[n] == place]:
+            self._free[self.is_along[name]].append(self._rows.pop(name))
+
+
+class _Text:
+    """The lines of a part, as they are written."""
+
+    def __init__(
+        self, part: _Part, place: int, writer: Writer, rows: Rows, handed_on: _HandedOn
+    ):
+        self.part, self.place, self.writer, self.rows = part, place, writer, rows
+        self.handed_on, self.vectors = handed_on, writer.vectors
+        self.lines = part.lines
+        self.strides: dict[int, str] = {}
+        self.here: set[str] = set()
+        self.count = 0
+
+    def write(self, masked: bool) -> None:
+        part, handed_on = self.part, self.handed_on
+        for line in part.made:
+            for name in line.used:
+                self.bring(name)
+            self.lines.append(line.text)
+            self.here.add(line.made)
+            if handed_on.is_needed(line.made):
+                self.hand_on(line.made)
+        mask = None
+        if masked and part.outputs:
+            columns = f"bitcast i{self.vectors.lanes} %columns to {self.vectors.truths}"
+            mask = self.new(columns)
+        for output in part.outputs:
+            self.store(output, mask)
+        if part.says is not None:
+            said = self.bring(part.says)
+            bits = f"bitcast {self.vectors.truths} {said} to i{self.vectors.lanes}"
+            part.says = self.new(bits)
+        handed_on.make_room(self.place)
+        part.lines = [*self.bases(), *self.lines]
+
+    def new(self, text: str) -> str:
+        """Add an instruction; return the name of its result."""
+        self.count += 1
+        self.lines.append(f"  %a{self.count} = {text}")
+        return f"%a{self.count}"
+
+    def at(self, row: int, base: str) -> str:
+        at = self.new(f"getelementptr double, ptr {base}, i64 {row * PACK}")
+        return f"ptr {at}, {self.vectors.align}"
+
+    def row(self, row: int) -> str:
+        """Return the address of a row; of those of a direction that of the direction
+        for which the part is called."""
+        stride = self.rows.strides.get(row, 0)
+        base = self.strides.setdefault(stride, f"%by{stride}") if stride else "%work"
+        return self.at(row, base)
+
+    def handed_on_at(self, name: str) -> str:
+        row = self.handed_on.row(name)
+        if self.handed_on.is_along[name]:
+            return self.at(row, "%spare")
+        return self.at(self.rows.free + row, "%work")
+
+    def bases(self) -> Iterator[str]:
+        """Write where the rows of the direction begin."""
+        for stride, base in self.strides.items():
+            yield f"  {base}_more = mul i64 %direction, {stride * PACK}"
+            yield f"  {base} = getelementptr double, ptr %work, i64 {base}_more"
+
+    def bring(self, name: str) -> str:
+        """Read a value that is an input, or comes from another part, once."""
+        if name not in self.here and name.startswith("%"):
+            self.here.add(name)
+            if name in self.writer.inputs:
+                self.read(name, self.writer.inputs[name])
+            else:
+                self.take(name)
+        return name
+
+    def hand_on(self, name: str) -> None:
+        kind, at = self.writer.types[name], self.handed_on_at(name)
+        if kind == self.vectors.truths and self.vectors.has_long_truths:
+            kind = self.vectors.integers
+            name = self.new(f"sext {self.vectors.truths} {name} to {kind}")
+        self.lines.append(f"  store {kind} {name}, {at}")
+
+    def take(self, name: str) -> None:
+        kind, at = self.writer.types[name], self.handed_on_at(name)
+        if kind == self.vectors.truths and self.vectors.has_long_truths:
+            integers = self.vectors.integers
+            long = self.new(f"load {integers}, {at}")
+            self.lines.append(f"  {name} = icmp slt {integers} {long}, zeroinitializer")
+        else:
+            self.lines.append(f"  {name} = load {kind}, {at}")
+
+    def read(self, name: str, node: Node) -> None:
+        floats, (row,) = self.vectors.floats, node.arguments
+        read = f"load {floats}, {self.row(row)}"
+        if node.kind == TRUTH:
+            read = f"fcmp une {floats} {self.new(read)}, {ZERO}"
+        if node.kind == INTEGER:
+            read = f"fptosi {floats} {self.new(read)} to {self.vectors.integers}"
+        self.lines.append(f"  {name} = {read}")
+
+    def store(self, output: Output, mask: str | None) -> None:
+        name, kind = self.bring(self.writer.name(output.value)), kind_of(output.value)
+        floats, truths = self.vectors.floats, self.vectors.truths
+        if kind == TRUTH:
+            name = self.new(f"select {truths} {name}, {floats} {ONE}, {floats} {ZERO}")
+        if kind == INTEGER:
+            name = self.new(f"sitofp {self.vectors.integers} {name} to {floats}")
+        if mask:
+            old = self.new(f"load {floats}, {self.row(output.row)}")
+            name = self.new(f"select {truths} {mask}, {floats} {name}, {floats} {old}")
+        self.lines.append(f"  store {floats} {name}, {self.row(output.row)}")
+
+
+def _definition(
+    name: str, part: _Part, lanes: int, rows: Rows, handed_on: _HandedOn
+) -> str:
+    """Write a part as a function."""
+    arguments = f"ptr %work, i{lanes} %columns, i64 %direction"
+    lines = [f"define i{lanes} @{name}({arguments}) #0 {{"]
+    if part.along:
+        start = (rows.free + handed_on.common) * PACK
+        lines += [
+            f"  %first = getelementptr double, ptr %work, i64 {start}",
+            f"  %more = mul i64 %direction, {handed_on.along * PACK}",
+            "  %spare = getelementptr double, ptr %first, i64 %more",
+        ]
+    said = "0" if part.says is None else part.says
+    return "\n".join([*lines, *part.lines, f"  ret i{lanes} {said}", "}\n"])
+
+
+def _head(name: str, parts: list[tuple[str, _Part]], lanes: int) -> str:
+    """Write the function that calls the parts one after the other, each for every
+    vector in which a column is wanted, and if need be for every direction: its
+    instructions are at hand then. The last one gives the bits.
+
+    It takes their addresses from a table: a call by relative address, from one object
+    file to another, might not reach. Calls of parts are written out, since a processor
+    foresees where each leads; in a loop derivatives take a sixth longer.
+    """
+    table, starts = f"@{name}_parts", [*range(0, PACK, lanes)]
+    addresses = ", ".join(f"ptr @{own}" for own, _ in parts)
+    along = [part.along for _, part in parts]
+    lines = [
+        f"{table} = global [{len(parts)} x ptr] [{addresses}]",
+        f"define i{PACK} @{name}(ptr %work, i{PACK} %columns, i64 %directions) {{",
+        "begin:",
+    ]
+    for start in starts:
+        lines += [
+            f"  %work{start} = getelementptr double, ptr %work, i64 {start}",
+            f"  %shifted{start} = lshr i{PACK} %columns, {start}",
+            f"  %columns{start} = {_resized(f'%shifted{start}', PACK, lanes)}",
+            f"  %empty{start} = icmp eq i{lanes} %columns{start}, 0",
+        ]
+    label = "begin"
+    if len(starts) == 2:
+        for start, other in (starts, starts[::-1]):
+            lines += [
+                f"  br i1 %empty{other}, label %only{start}, label %not{start}",
+                f"only{start}:",
+                *_calls(table, along, [start], lanes, f"only{start}"),
+                f"not{start}:",
+            ]
+            label = f"not{start}"
+    return "\n".join([*lines, *_calls(table, along, starts, lanes, label), "}\n"])
+
+
+def _calls(
+    table: str, along: list[bool], starts: list[int], lanes: int, label: str
+) -> list[str]:
+    """Write the calls of the parts for vectors that start at some columns, and the
+    return of their bits.
+
+    Args:
+        along: of each part, whether it is called for each direction.
+        label: that of the block that the calls begin in; other names end with it.
+    """
+    lines, block = [], label
+    for place, of_directions in enumerate(along):
+        own = f"{place}_{label}"
+        lines += [
+            f"  %at{own} = getelementptr ptr, ptr {table}, i64 {place}",
+            f"  %part{own} = load ptr, ptr %at{own}",
+        ]
+        direction = "0"
+        if of_directions:
+            direction = f"%direction{own}"
+            lines += [
+                f"  br label %loop{own}",
+                f"loop{own}:",
+                f"  {direction} = phi i64 [ 0, %{block} ], [ %next{own}, %loop{own} ]",
+            ]
+        lines += [
+            f"  %bits{start}_{own} = call i{lanes} %part{own}"
+            f"(ptr %work{start}, i{lanes} %columns{start}, i64 {direction})"
+            for start in starts
+        ]
+        if of_directions:
+            block = f"end{own}"
+            lines += [
+                f"  %next{own} = add i64 {direction}, 1",
+                f"  %more{own} = icmp ult i64 %next{own}, %directions",
+                f"  br i1 %more{own}, label %loop{own}, label %{block}",
+                f"{block}:",
+            ]
+    bits = "0"
+    for start in starts:
+        of_part = f"%bits{start}_{len(along) - 1}_{label}"
+        lines += [
+            f"  %wide{start}_{label} = {_resized(of_part, lanes, PACK)}",
+            f"  %placed{start}_{label} = shl i{PACK} %wide{start}_{label}, {start}",
+            f"  %all{start}_{label} = or i{PACK} {bits}, %placed{start}_{label}",
+        ]
+        bits = f"%all{start}_{label}"
+    return [*lines, f"  ret i{PACK} {bits}"]
+
+
+def _resized(value: str, before: int, after: int) -> str:
+    """Write the conversion between integers of so many bits."""
+    if before == after:
+        return f"or i{before} {value}, 0"
+    return f"{'zext' if after > before else 'trunc'} i{before} {value} to i{after}"
