@@ -54,7 +54,7 @@ SECTIONS = {
     )
 }
 MANIFEST = "manifest.json"
-PEER_PACKAGES = ("numba", "numbalsoda", "scipy", "scikit-sundae")
+PEER_PACKAGES = ("numba", "numbalsoda", "scipy", "scikit-sundae", "diffsol-jax")
 
 
 def choose_sections(names: Sequence[str]) -> list[Section]:

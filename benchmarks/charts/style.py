@@ -26,6 +26,7 @@ COLOURS = {
     "SciPy": ORANGE,
     "diffrax": PURPLE,
     "explicit": GREY,
+    "diffsol": SKY,
 }
 
 
