@@ -241,14 +241,20 @@ def test_fastest_rate_and_steps_needed():
     assert steps_needed(rows) == pytest.approx(1e3 / LIMIT)
 
 
-@pytest.mark.parametrize("package", ["numbalsoda", "scipy", "sksundae", "diffrax"])
+@pytest.mark.parametrize(
+    "package", ["numbalsoda", "scipy", "sksundae", "diffrax", "diffsol_jax"]
+)
 def test_every_peer_answers(package):
     pytest.importorskip("numba")
     pytest.importorskip(package)
     said = []
     found = find_peers(None, said.append)
-    name = {"sksundae": "CVODE", "diffrax": "diffrax Kvaerno3", "scipy": "SciPy LSODA"}
-    name = name.get(package, package)
+    name = {
+        "sksundae": "CVODE",
+        "diffrax": "diffrax Kvaerno3",
+        "scipy": "SciPy LSODA",
+        "diffsol_jax": "diffsol BDF",
+    }.get(package, package)
     peer = next(method for method in found if method.name.startswith(name))
     scenes = mixed_scenes(3, seed=5)
     exact = simulate_batch(scenes).e_n
