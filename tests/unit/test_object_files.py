@@ -31,8 +31,10 @@ def begin(inputs):
 
 def step(state):
     left, total = state
-    after = left - 1.0, total + jnp.exp(-left) / (1.0 + jnp.sin(left) ** 2)
-    return after, left > 0.0
+    more = jnp.exp(-left) / (1.0 + jnp.sin(left) ** 2)
+    # A truth that values work out, and derivatives need
+    more = jnp.where(left > 10.0, more * left, jnp.cos(left))
+    return (left - 1.0, total + more), left > 0.0
 
 
 def finish(inputs, state):
