@@ -221,6 +221,11 @@ def _end(course, times, beyond, p):
 
 
 def _integrate(p, start, tolerance, method):
+    with jax.enable_x64(True):  # a process of a batch begins with float32
+        return _by_windows(p, start, tolerance, method)
+
+
+def _by_windows(p, start, tolerance, method):
     points = math.ceil(POINTS * max(1.0, (1e-4 / tolerance) ** 0.25))
     fall = math.sqrt(model.GRAVITY * p[model.R])
     full = width = WINDOW * p[model.SPEED] / (p[model.SPEED] + fall)

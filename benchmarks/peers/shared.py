@@ -13,6 +13,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 
@@ -100,22 +101,43 @@ def solve_scenes(
         begin = time.perf_counter()
         e_n = _solve_part(one, p, start, tolerance, options)
         return answer(p, start, e_n, time.perf_counter() - begin)
-    pool = _pool()
     cores = os.cpu_count() or 1
+
+    def submit(a: int, b: int) -> concurrent.futures.Future:
+        part = (_solve_part, one, p[a:b], start[a:b], tolerance, options)
+        try:
+            return _pool().submit(*part)
+        except BrokenProcessPool:
+            _pool.cache_clear()
+            return _pool().submit(*part)
+
     # Processes that have not started yet, and what they compile, are not timed.
-    few = [
-        pool.submit(_solve_part, one, p[:2], start[:2], tolerance, options)
-        for _ in range(2 * cores)
-    ]
-    concurrent.futures.wait(few)
+    concurrent.futures.wait([submit(0, 2) for _ in range(2 * cores)])
     edges = np.linspace(0, len(p), min(len(p), PARTS * cores) + 1).astype(int)
     begin = time.perf_counter()
-    parts = [
-        pool.submit(_solve_part, one, p[a:b], start[a:b], tolerance, options)
-        for a, b in itertools.pairwise(edges)
-    ]
-    e_n = np.concatenate([part.result() for part in parts])
-    return answer(p, start, e_n, time.perf_counter() - begin)
+    parts = [(submit(a, b), a, b) for a, b in itertools.pairwise(edges)]
+    e_n = []
+    for part, a, b in parts:
+        try:
+            e_n.append(part.result())
+        except BrokenProcessPool:  # by this part, or another one
+            e_n.append(_surviving(submit, a, b))
+    return answer(p, start, np.concatenate(e_n), time.perf_counter() - begin)
+
+
+def _surviving(
+    submit: Callable[[int, int], concurrent.futures.Future], a: int, b: int
+) -> np.ndarray:
+    """Solve impacts at one of which a library may end its process: that one is not
+    finished."""
+    try:
+        return submit(a, b).result()
+    except BrokenProcessPool:
+        if b - a == 1:
+            return np.array([np.nan])
+    middle = (a + b) // 2
+    halves = _surviving(submit, a, middle), _surviving(submit, middle, b)
+    return np.concatenate(halves)
 
 
 def _solve_part(one, p, start, tolerance, options) -> np.ndarray:

@@ -3,6 +3,7 @@ solve the same impacts."""
 
 import importlib
 import json
+import os
 import sys
 
 import jax
@@ -262,6 +263,28 @@ def test_every_peer_answers(package):
     # Ten times what they were measured to err by at that tolerance.
     np.testing.assert_allclose(answer.e_n, exact, atol=5e-3)
     assert answer.seconds > 0.0
+    # In processes or threads of their own
+    others = peer.solve(scenes, 1e-4, batch=True)
+    np.testing.assert_allclose(others.e_n, answer.e_n, atol=1e-6)
+
+
+def ends_its_process(p, start, tolerance, at):
+    """Give e_n, but for a few impacts at which all ends, as a library may do it."""
+    if p[0] in at:
+        os._exit(1)
+    return p[0]
+
+
+def test_an_impact_that_ends_its_process_is_not_finished():
+    pytest.importorskip("numba")
+    model = importlib.import_module("benchmarks.peers.model")
+    shared = importlib.import_module("benchmarks.peers.shared")
+    p, start = model.parameters_and_start(mixed_scenes(40, seed=5), 1e-6)
+    p[:, 0] = np.arange(40.0)
+    lost = {7.0, 39.0}
+    answer = shared.solve_scenes(ends_its_process, p, start, 1e-3, True, at=lost)
+    expected = [np.nan if number in lost else number for number in p[:, 0]]
+    np.testing.assert_array_equal(answer.e_n, expected)
 
 
 @pytest.mark.parametrize(
