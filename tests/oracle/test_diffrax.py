@@ -189,12 +189,8 @@ def results_of(scene, **how):
 AT = jnp.array([8.7, 14.0])
 
 
-# XLA takes a minute to compile those of an oblique impact with dashpots.
-VERTICAL_DAMPED = Scene(Block(), Soil(eta_N=0.2), Impact())
-
-
 @pytest.mark.xla
-@pytest.mark.parametrize("scene", [PLANAR, VERTICAL_DAMPED])
+@pytest.mark.parametrize("scene", [PLANAR, SCENES["dashpots"]])
 def test_derivatives_are_those_of_the_machine_code(scene):
     mine = results_of(scene)
     columns, along = jax.jacfwd(mine)(AT), jax.jvp(mine, (AT,), (AT,))[1]

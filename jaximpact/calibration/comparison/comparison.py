@@ -329,7 +329,9 @@ def _scored(one: LawLeftOut, study: Study, named: int) -> ScoredLaw:
     def rms(predicted: np.ndarray) -> np.ndarray:
         there = study.exact & np.isfinite(predicted)
         squares = np.where(there, (predicted - study.measured) ** 2, 0.0)
-        return np.sqrt(np.sum(squares, axis=0) / np.maximum(np.sum(there, axis=0), 1))
+        # By rows: NumPy adds a single column in another order than one of several.
+        sums = np.sum(np.ascontiguousarray(squares.T), axis=1)
+        return np.sqrt(sums / np.maximum(np.sum(there, axis=0), 1))
 
     count = one.fit.fitted.parameters
     known = objective.study.known
