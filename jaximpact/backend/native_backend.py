@@ -33,7 +33,7 @@ keep_objects(kept)
 
 MOST_DIRECTIONS = 8
 """Derivatives that share a run of an impact. Each costs some three quarters of the
-value, and 13 KB of memory for each lane beside it, which the caches must hold."""
+value, and each needs 13 KB for eight lanes, which the processor's caches must hold."""
 _COMPILING = threading.Lock()
 """Held by the kernel that tells that code is compiled."""
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"

@@ -178,7 +178,7 @@ class _Text:
     ):
         self.part, self.place, self.writer, self.rows = part, place, writer, rows
         self.handed_on, self.vectors = handed_on, writer.vectors
-        self.lines = part.lines
+        self.lines: list[str] = []
         self.strides: dict[int, str] = {}
         self.here: set[str] = set()
         self.count = 0
@@ -245,22 +245,24 @@ class _Text:
         return name
 
     def hand_on(self, name: str) -> None:
+        """Store a value for later parts."""
         kind, at = self.writer.types[name], self.handed_on_at(name)
-        if kind == self.vectors.truths and self.vectors.has_long_truths:
-            kind = self.vectors.integers
-            name = self.new(f"sext {self.vectors.truths} {name} to {kind}")
-        self.lines.append(f"  store {kind} {name}, {at}")
+        kept = self.vectors.in_memory(kind)
+        if kept != kind:
+            name = self.new(f"sext {kind} {name} to {kept}")
+        self.lines.append(f"  store {kept} {name}, {at}")
 
     def take(self, name: str) -> None:
-        kind, at = self.writer.types[name], self.handed_on_at(name)
-        if kind == self.vectors.truths and self.vectors.has_long_truths:
-            integers = self.vectors.integers
-            long = self.new(f"load {integers}, {at}")
-            self.lines.append(f"  {name} = icmp slt {integers} {long}, zeroinitializer")
-        else:
-            self.lines.append(f"  {name} = load {kind}, {at}")
+        """Read a value that comes from another part."""
+        kind = self.writer.types[name]
+        kept = self.vectors.in_memory(kind)
+        read = f"load {kept}, {self.handed_on_at(name)}"
+        if kept != kind:
+            read = f"icmp slt {kept} {self.new(read)}, zeroinitializer"
+        self.lines.append(f"  {name} = {read}")
 
     def read(self, name: str, node: Node) -> None:
+        """Read an input, whose row holds a float."""
         floats, (row,) = self.vectors.floats, node.arguments
         read = f"load {floats}, {self.row(row)}"
         if node.kind == TRUTH:

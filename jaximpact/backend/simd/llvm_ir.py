@@ -48,11 +48,11 @@ class Vectors:
         }
         """Names that the templates of `OPERATIONS` have for them."""
 
-    @property
-    def has_long_truths(self) -> bool:
-        """Tell whether truths are as long as numbers in memory: on a processor without
-        registers for them, for which vectors are of half the lanes."""
-        return self.lanes < PACK
+    def in_memory(self, kind: str) -> str:
+        """Return the type as which values of a type are kept between parts. Truths are
+        as long as numbers on vectors of half the lanes: processors that have these
+        have no registers for single bits."""
+        return self.integers if kind == self.truths and self.lanes < PACK else kind
 
     @property
     def declarations(self) -> str:
