@@ -7,6 +7,7 @@
 #                  page and notebook
 # make pages       set up, put what the pages' blocks print now into the pages
 # make notebooks   set up, execute the notebooks and store their outputs
+# make machine-code   set up, make the machine code that comes with the package
 # make driver      make driver.ll from driver.c, which needs clang
 # make clean       remove the environment, results and caches
 #
@@ -24,7 +25,7 @@ OLDEST ?=
 PIP = $(VENV)/bin/python -m pip --disable-pip-version-check
 STUDIES = drops
 
-.PHONY: help calibrate test quick lint docs pages notebooks driver clean
+.PHONY: help calibrate test quick lint docs pages notebooks machine-code driver clean
 
 help:
 	@sed -n '/^#/!q; s/^# \{0,1\}//p' Makefile
@@ -82,6 +83,9 @@ $(VENV)/.linter: $(VENV)/.installed
 $(VENV)/.docs: $(VENV)/.installed
 	$(PIP) install --quiet --editable '.[docs]'
 	@touch "$@"
+
+machine-code: $(VENV)/.installed
+	$(VENV)/bin/python tests/helpers/make_machine_code.py
 
 # Nothing of the processor that it is made on is left in the text.
 CLANG ?= clang

@@ -22,18 +22,24 @@ from ..accuracy import MAX_STEPS, RETRIES
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..identity import clear_when_edited, described, heed_edits, tracing, users_code
 from ..impact.events import Outcome
-from ..impact.problem import Assembly
+from ..impact.problem import Assembly, naming
 from ..impact.results import empty_summary
 from ..progress import tell
 from ..progress_lines import showing
 from ..store import kept
-from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_objects
+from .shipped import shipped_code
+from .simd import (
+    MOST_DIRECTIONS,
+    Code,
+    Kernel,
+    NoMachineCode,
+    Retries,
+    host,
+    keep_objects,
+)
 
 keep_objects(kept)
 
-MOST_DIRECTIONS = 8
-"""Derivatives that share a run of an impact. Each costs some three quarters of the
-value, and each needs 13 KB for eight lanes, which the processor's caches must hold."""
 _COMPILING = threading.Lock()
 """Held by the kernel that tells that code is compiled."""
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
@@ -102,8 +108,7 @@ def compile_native(
     """
     directions = MOST_DIRECTIONS if differentiated else 0
 
-    structure = assembly.structure
-    tree = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    what, tree = naming(assembly, directions, sampled)
 
     def compile_lanes() -> Code:
         # It loads diffrax, which takes a while.
@@ -112,7 +117,6 @@ def compile_native(
         with _telling_how_long(differentiated, bool(users_code(tree))):
             return code_of_lanes(assembly, directions, sampled)
 
-    what = assembly._replace(structure=None), directions, sampled
     code = kept_code(what, tree, compile_lanes)
     numbers = empty_summary(assembly.ledger)
     results = (numbers, (numbers,) * directions) if directions else numbers
@@ -202,7 +206,8 @@ def _tell_slower_way(reason: str) -> None:
 def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:
     """Code that `make` compiles, or compiled another time for the same.
 
-    Where all is the package's it is kept on disk, under its version and content. A
+    Where all is the package's it was shipped, or it is kept on disk, under the version
+    and content of the package. A
     user's law is traced by each process, since only then it is known what it computes;
     LLVM's part is kept all the same, under the text of the program.
 
@@ -213,6 +218,8 @@ def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:
     """
     if users_code(tree):
         return make()
+    if (shipped := shipped_code(what, tree)) is not None:
+        return shipped
     key = repr((what, described(tree), host(), *installed()))
     return pickle.loads(kept(key, lambda: pickle.dumps(make())))
 

@@ -30,9 +30,9 @@ from ..impact.reduced_models import MODELS, exact_models
 from ..impact.results import Solution, empty_history, empty_summary
 from ..scene import Scene
 from . import MACHINE_CODE, NATIVE, XLA, Engine
-from .native_backend import MOST_DIRECTIONS, compile_side_by_side, computes_on_cpu
+from .native_backend import compile_side_by_side, computes_on_cpu
 from .operation import call
-from .simd import KernelSet
+from .simd import MOST_DIRECTIONS, KernelSet
 from .threads import thread_count
 
 LANES_OF_XLA = 512

@@ -5,7 +5,7 @@ those of `Forces`.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -47,6 +47,16 @@ class Assembly(NamedTuple):
     """Laws and shapes of the scene: its tree structure."""
     model: Model
     ledger: LedgerItems
+
+
+def naming(
+    assembly: Assembly, directions: int, sampled: bool
+) -> tuple[tuple, Any]:
+    """Name code of an assembly, with derivatives along directions and with samples: by
+    its choices, and a tree of the structure of its scenes."""
+    structure = assembly.structure
+    tree = jax.tree.unflatten(structure, range(structure.num_leaves))
+    return (assembly._replace(structure=None), directions, sampled), tree
 
 
 def assemble(scene: Scene) -> Assembly:

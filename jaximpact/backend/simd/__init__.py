@@ -1,6 +1,7 @@
 """Machine code for many lanes, by LLVM, from the functions of the model in JAX."""
 
 from .kernel import (
+    MOST_DIRECTIONS,
     Code,
     Derivatives,
     Kernel,
@@ -12,9 +13,11 @@ from .kernel import (
 from .kernel_set import KernelSet
 from .lower_jaxpr import NoMachineCode
 from .object_files import keep_objects
-from .target import host
+from .target import LEVELS, compiling_for, host
 
 __all__ = [
+    "LEVELS",
+    "MOST_DIRECTIONS",
     "Code",
     "Derivatives",
     "Kernel",
@@ -24,6 +27,7 @@ __all__ = [
     "Retries",
     "compile_code",
     "compile_kernel",
+    "compiling_for",
     "host",
     "keep_objects",
 ]

@@ -5,9 +5,11 @@ Only Linux on x86 was at hand. Code for others is made and looked at there, sinc
 LLVM makes it for all: tests/unit/test_targets.py.
 """
 
+import contextlib
+import contextvars
 import ctypes
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import llvmlite.binding as llvm
@@ -83,12 +85,25 @@ class Target(NamedTuple):
         return compile_module(self.machine(external_calls), text)
 
 
+_level: contextvars.ContextVar[str | None] = contextvars.ContextVar("level", default=None)
+
+
+@contextlib.contextmanager
+def compiling_for(level: str) -> Iterator[None]:
+    """Have code made for a level, whatever the processor."""
+    token = _level.set(level)
+    try:
+        yield
+    finally:
+        _level.reset(token)
+
+
 def host() -> tuple[str, str]:
     """Return name, or level, and features of the processor for which code is made."""
-    has = llvm.get_host_cpu_features()
+    has, asked = llvm.get_host_cpu_features(), _level.get()
     for level, features in LEVELS.items():
         needed = features.split()
-        if all(has.get(feature) for feature in needed):
+        if asked == level or (asked is None and all(map(has.get, needed))):
             return level, ",".join(f"+{feature}" for feature in needed)
     return llvm.get_host_cpu_name(), has.flatten()
 

@@ -1,0 +1,135 @@
+"""Machine code that comes with the package is that of its source, and no other."""
+
+import shutil
+import sys
+
+import jax
+import numpy as np
+import pytest
+from impact_scenes import mixed_scenes
+
+from jaximpact import Block, Impact, Soil, simulate
+from jaximpact.accuracy import PRESETS
+from jaximpact.backend import lane_functions, native_backend, shipped
+from jaximpact.backend.simd import LEVELS, MOST_DIRECTIONS, Kernel, KernelSet, host
+from jaximpact.impact.problem import Assembly, naming
+from jaximpact.impact.reduced_models import PLANAR, VERTICAL
+from jaximpact.scene import Scene
+from jaximpact.shapes import EllipticCylinder
+
+STRUCTURE = jax.tree.structure(Scene())
+VALUES = naming(Assembly(STRUCTURE, VERTICAL, False), 0, sampled=False)
+
+for_this_machine = pytest.mark.skipif(
+    host()[0] not in LEVELS or not sys.platform.startswith("linux"),
+    reason="code is shipped for Linux and for levels of x86",
+)
+
+
+@pytest.fixture
+def opened_anew(monkeypatch):
+    """Archives are opened, and their source looked at, as by a new process."""
+    shipped.open_archive.cache_clear()
+    yield monkeypatch
+    monkeypatch.undo()
+    shipped.open_archive.cache_clear()
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_archives_are_those_of_the_source(level):
+    archive = shipped.open_archive(level)
+    assert archive is not None, "run `make machine-code`"
+    names = {
+        shipped.name_of(*naming(assembly, directions, sampled=False))
+        for assembly, directions in shipped.usual_impacts()
+    }
+    assert set(archive.namelist()) == {*names, shipped.MANIFEST}
+
+
+@for_this_machine
+@pytest.mark.parametrize(
+    ("model", "directions"),
+    [
+        (VERTICAL, 0),
+        pytest.param(VERTICAL, MOST_DIRECTIONS, marks=pytest.mark.slow),
+        pytest.param(PLANAR, MOST_DIRECTIONS, marks=pytest.mark.slow),
+    ],
+)
+def test_what_is_shipped_is_what_is_compiled(model, directions):
+    """To the last bit: values, and derivatives by k_E, gamma_v and c_v."""
+    assembly = Assembly(STRUCTURE, model, False)
+    setting = PRESETS["fast"]
+    leaves = [*jax.tree.leaves(mixed_scenes(300)), setting.tolerance, setting.floor]
+    inputs = np.stack(np.broadcast_arrays(*leaves))
+    places = jax.tree.unflatten(STRUCTURE, range(STRUCTURE.num_leaves)).soil
+    along = (places.k_E, places.gamma_v, places.c_v)[:directions]
+
+    def computed(code):
+        kernels = KernelSet([Kernel(code, None)]).along(len(along))
+        return kernels.compute(inputs, 1, along=along)[0]
+
+    code = shipped.shipped_code(*naming(assembly, directions, sampled=False))
+    assert code is not None
+    made = lane_functions.code_of_lanes(assembly, directions, sampled=False)
+    results = computed(code)
+    assert np.isfinite(results).mean() > 0.5
+    np.testing.assert_array_equal(results, computed(made))
+
+
+@for_this_machine
+def test_usual_scenes_compile_nothing(monkeypatch):
+    """Neither values nor derivatives, alone or many; other shapes do."""
+
+    def compiled(*_, **__):
+        raise AssertionError("compiled")
+
+    monkeypatch.setattr(lane_functions, "code_of_lanes", compiled)
+    native_backend.compile_native.cache_clear()
+    from jaximpact.backend import rows
+
+    monkeypatch.setattr(rows, "_kernel_sets", {})
+    simulate(Block(), Soil(), Impact(angle=0.3))
+    jax.grad(lambda k: simulate(Block(), Soil(k_E=k), Impact()).e_n)(900.0)
+    assert simulate(mixed_scenes(10)).e_n.shape == (10,)
+    with pytest.raises(AssertionError, match="compiled"):
+        simulate(Block(shape=EllipticCylinder()), Soil(), Impact())
+
+
+@for_this_machine
+def test_code_of_another_source_is_not_used(opened_anew, tmp_path):
+    assert shipped.shipped_code(*VALUES) is not None
+    shipped.open_archive.cache_clear()
+    root = shutil.copytree(shipped.ROOT, tmp_path / "jaximpact")
+    opened_anew.setattr(shipped, "ROOT", root)
+    assert shipped.shipped_code(*VALUES) is not None
+    for name in "laws/flow.py", "integrator/rosenbrock.py", "backend/simd/llvm_ir.py":
+        file = root / name
+        content = file.read_text()
+        file.write_text(content + "\n")
+        shipped.open_archive.cache_clear()
+        assert shipped.shipped_code(*VALUES) is None
+        file.write_text(content)
+    file.unlink()
+    shipped.open_archive.cache_clear()
+    assert shipped.shipped_code(*VALUES) is None
+
+
+@pytest.mark.parametrize("damage", ["missing", "cut short", "no archive"])
+def test_damaged_archives_count_as_none(opened_anew, tmp_path, damage):
+    level, path = next(iter(LEVELS)), shipped.ARCHIVES
+    content = (path / f"{level}.zip").read_bytes()
+    contents = {"missing": None, "cut short": content[:-100], "no archive": b"version"}
+    opened_anew.setattr(shipped, "ARCHIVES", tmp_path)
+    if contents[damage] is not None:
+        (tmp_path / f"{level}.zip").write_bytes(contents[damage])
+    assert shipped.open_archive(level) is None
+
+
+@pytest.mark.parametrize(
+    ("platform", "level"),
+    [("win32", "x86-64-v3"), ("darwin", "apple-m1"), ("linux", "znver9")],
+)
+def test_other_machines_compile(monkeypatch, platform, level):
+    monkeypatch.setattr(sys, "platform", platform)
+    monkeypatch.setattr(shipped, "host", lambda: (level, ""))
+    assert shipped.shipped_code(*VALUES) is None
