@@ -77,6 +77,15 @@ def number_in(tracer: Tracer):
     return least if least == np.max(values) else tracer
 
 
+def primal_of(value):
+    """Find the array that a value of eager differentiation stands for; None where that
+    is traced too, and nothing else of a value that is no tracer."""
+    if not isinstance(value, Tracer):
+        return value
+    primal = getattr(value, "primal", None)
+    return None if isinstance(primal, Tracer) else primal
+
+
 def called(equation) -> ClosedJaxpr | None:
     """Find the function that an equation calls as it stands; None if it calls none."""
     name = _CALLS.get(equation.primitive.name)

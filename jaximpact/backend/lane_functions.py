@@ -19,9 +19,11 @@ from .simd import Code, Derivatives, LaneFunctions, compile_code
 
 
 @collector_paused()
-def code_of_lanes(assembly: Assembly, directions: int, sampled: bool) -> Code:
+def code_of_lanes(
+    assembly: Assembly, directions: int, sampled: bool, thorough: bool = False
+) -> Code:
     """Compile the code of `native_backend.compile_native`, with derivatives along so
-    many directions."""
+    many directions; `thorough` as for `compile_code`."""
     one = jax.ShapeDtypeStruct((1,), float)
     leaves = assembly.structure.num_leaves
     # Scene, tolerance and floor
@@ -33,7 +35,7 @@ def code_of_lanes(assembly: Assembly, directions: int, sampled: bool) -> Code:
     if directions:
         changing = _changing(lanes, inputs, leaves)
         derivatives = Derivatives(directions, range(leaves), changing)
-    return compile_code(functions, inputs, derivatives)
+    return compile_code(functions, inputs, derivatives, thorough)
 
 
 def _time_of(lanes: Lanes):

@@ -14,7 +14,7 @@ from jaximpact import Block, Impact, Scene, Soil
 from jaximpact.backend import native_backend, operation
 from jaximpact.backend.simd import KernelSet, kernel
 from jaximpact.backend.simd.driver import Operation, Program, driver_text
-from jaximpact.backend.simd.object_files import lanes_for, module_of
+from jaximpact.backend.simd.object_files import module_of
 from jaximpact.backend.simd.target import Target, host
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS
@@ -36,9 +36,9 @@ def compiled_for_windows(monkeypatch):
     """The model's kernel, and object files of it and of the driver for Windows."""
     texts, compile_functions = [], kernel.compile_functions
 
-    def noted(functions, copies):
-        texts.append(module_of(functions, lanes_for(copies)))
-        return compile_functions(functions, copies)
+    def noted(functions, *how):
+        texts.append(module_of(functions))
+        return compile_functions(functions, *how)
 
     monkeypatch.setattr(kernel, "compile_functions", noted)
     monkeypatch.setattr(native_backend, "kept_code", lambda what, tree, make: make())

@@ -33,7 +33,7 @@ def make_archive(level: str) -> Path:
     contents = {}
     with compiling_for(level):
         for assembly, directions in usual_impacts():
-            code = code_of_lanes(assembly, directions, sampled=False)
+            code = code_of_lanes(assembly, directions, sampled=False, thorough=True)
             name = name_of(*naming(assembly, directions, sampled=False))
             contents[name] = pickle.dumps(code)
     # What is loaded has made the code, but for what names it.

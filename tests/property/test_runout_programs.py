@@ -13,7 +13,7 @@ from runout_scenes import SLOPE_STUDY, ellipse
 
 from jaximpact import Block, Impact
 from jaximpact.backend.simd import kernel
-from jaximpact.backend.simd.object_files import lanes_for, module_of
+from jaximpact.backend.simd.object_files import module_of
 from jaximpact.finding import find_part
 from jaximpact.identity import described
 from jaximpact.rebound import AbstractRebound
@@ -63,9 +63,9 @@ def compiled(monkeypatch):
     """A list that grows by each program that is compiled."""
     compile_functions, made = kernel.compile_functions, []
 
-    def counted(functions, copies):
-        made.append(module_of(functions, lanes_for(copies)))
-        return compile_functions(functions, copies)
+    def counted(functions, *how):
+        made.append(module_of(functions))
+        return compile_functions(functions, *how)
 
     monkeypatch.setattr(kernel, "compile_functions", counted)
     return made

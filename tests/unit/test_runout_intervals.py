@@ -126,3 +126,11 @@ def test_intervals_hold_what_a_ground_of_the_posterior_has():
     # 30 samples of a posterior miss some of its tails: 1 / 31 of them on each side at
     # most.
     assert np.all(np.mean(held, axis=0) >= 0.95 - 0.027 - 0.02)
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 40, 1000])
+def test_intervals_of_shares_are_those_of_scipy(blocks):
+    """To the tolerance of the root that SciPy searches."""
+    for count in {0, 1, blocks // 3, blocks - 1, blocks}:
+        expected = stats.binomtest(count, blocks).proportion_ci(0.95)
+        np.testing.assert_allclose(share_interval(count, blocks), expected, atol=1e-11)

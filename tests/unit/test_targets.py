@@ -21,7 +21,7 @@ from jaximpact.backend.simd import (
 )
 from jaximpact.backend.simd import target as functions
 from jaximpact.backend.simd.driver import driver_text
-from jaximpact.backend.simd.object_files import lanes_for, module_of
+from jaximpact.backend.simd.object_files import module_of
 from jaximpact.backend.simd.tables import entries
 from jaximpact.backend.simd.target import Target
 
@@ -54,9 +54,9 @@ def text():
     and a table."""
     made, compile_functions = [], kernel.compile_functions
 
-    def noted(functions, differentiated):
-        made.append(module_of(functions, lanes_for(differentiated)))
-        return compile_functions(functions, differentiated)
+    def noted(functions, *how):
+        made.append(module_of(functions))
+        return compile_functions(functions, *how)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(kernel, "compile_functions", noted)

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from .graph import INTEGER, TRUTH, Node, Value, kind_of
-from .llvm_ir import ONE, PACK, ZERO, Line, Vectors, Writer, in_order
+from .llvm_ir import HALF, ONE, PACK, ZERO, Line, Vectors, Writer, in_order
 
 WHOLE = 12_000
 """Lines of the longest function of values alone that is not divided. They run slower
@@ -93,6 +93,35 @@ def write_function(
         "".join(f"declare i{lanes} @{n}(ptr, i{lanes}, i64)\n" for n, _ in named),
     )
     return function, spare
+
+
+def write_choice(name: str, ways: Mapping[str, Function]) -> Function:
+    """Write a function that calls one of two, by their names: on vectors of all lanes,
+    or on vectors of half of them where all columns wanted are in one half."""
+    arguments = f"(ptr %work, i{PACK} %columns, i64 %directions)"
+    addresses = ", ".join(f"ptr @{own}" for own in ways)
+    head = f"""
+@{name}_ways = global [{len(ways)} x ptr] [{addresses}]
+define i{PACK} @{name}{arguments} {{
+  %lower = and i{PACK} %columns, {2**HALF - 1}
+  %upper = and i{PACK} %columns, {2**PACK - 2**HALF}
+  %not_lower = icmp eq i{PACK} %lower, 0
+  %not_upper = icmp eq i{PACK} %upper, 0
+  %of_half = or i1 %not_lower, %not_upper
+  %way = zext i1 %of_half to i64
+  %at = getelementptr ptr, ptr @{name}_ways, i64 %way
+  %function = load ptr, ptr %at
+  %bits = call i{PACK} %function{arguments}
+  ret i{PACK} %bits
+}}
+"""
+    whole = [own for own, function in ways.items() if not function.head]
+    return Function(
+        [part for function in ways.values() for part in function.parts],
+        "\n".join([*(function.head for function in ways.values()), head]),
+        "".join(function.declarations for function in ways.values())
+        + "".join(f"declare i{PACK} @{own}(ptr, i{PACK}, i64)\n" for own in whole),
+    )
 
 
 class _Part:

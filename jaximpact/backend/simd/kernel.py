@@ -15,8 +15,9 @@ import jax
 import numpy as np
 
 from .driver import Program
-from .functions import Function, Output, Rows, write_function
+from .functions import Function, Output, Rows, write_choice, write_function
 from .graph import FLOAT, INPUT, NUMPY, Graph, Node, Value
+from .llvm_ir import HALF, PACK
 from .lower_jaxpr import Dual, Translator
 from .object_files import compile_functions, lanes_for, load
 
@@ -140,12 +141,15 @@ class Derivatives(NamedTuple):
 def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) -> Kernel:
     """Compile functions of lanes, as for `LaneFunctions`, ready to run; inputs are as
     for `compile_code`."""
-    code, results = _compiled(LaneFunctions(begin, step, finish), inputs, None)
+    code, results = _compiled(LaneFunctions(begin, step, finish), inputs)
     return Kernel(code, jax.tree.structure(results))
 
 
 def compile_code(
-    functions: LaneFunctions, inputs, derivatives: Derivatives | None = None
+    functions: LaneFunctions,
+    inputs,
+    derivatives: Derivatives | None = None,
+    thorough: bool = False,
 ) -> Code:
     """Compile functions of lanes.
 
@@ -153,6 +157,9 @@ def compile_code(
         inputs: a tree of arrays, or of what stands for them, with one lane: every
             array of the functions has one axis of length 1, the lane's.
         derivatives: those along directions, which are worked out beside the values.
+        thorough: whether to take twice the time to compile values. Steps then also have
+            code for vectors of half the lanes, which takes two thirds of the time where
+            few lanes are under way.
 
     Rows are inputs, state and results; with samples the time asked for and samples.
     Behind inputs, state, results and samples stand the derivatives of each direction.
@@ -161,11 +168,14 @@ def compile_code(
 
     Raises NoMachineCode if a function does what has no native code.
     """
-    return _compiled(functions, inputs, derivatives)[0]
+    return _compiled(functions, inputs, derivatives, thorough)[0]
 
 
 def _compiled(
-    functions: LaneFunctions, inputs, derivatives: Derivatives | None
+    functions: LaneFunctions,
+    inputs,
+    derivatives: Derivatives | None = None,
+    thorough: bool = False,
 ) -> tuple[Code, Any]:
     """Give the code, and shapes of results."""
     begin, state = jax.make_jaxpr(functions.begin, return_shape=True)(inputs)
@@ -177,9 +187,10 @@ def _compiled(
     at_inputs = layout.allot(inputs, along.inputs, more)
     at_state = layout.allot(state, along.state)
     at_results = layout.allot(results)
+    of_few = thorough and not layout.directions
     to_write = [
         ("begin", begin, [at_inputs], [at_state], dict(masked=True)),
-        ("step", step, [at_state], [at_state], dict(says=True)),
+        ("step", step, [at_state], [at_state], dict(says=True, of_few=of_few)),
         ("finish", finish, [at_inputs, at_state], [at_results], {}),
     ]
     time_row, sampled_rows = -1, 0
@@ -202,7 +213,7 @@ def _compiled(
         strict=True,
     )
     code = Code(
-        compile_functions(written, layout.directions > 0),
+        compile_functions(written, layout.directions > 0, thorough),
         at_inputs.rows,
         at_inputs.size,
         at_results.rows,
@@ -291,9 +302,11 @@ def _written(
     targets: Sequence[_Part],
     masked: bool = False,
     says: bool = False,
+    of_few: bool = False,
 ) -> tuple[Function, int]:
     """Write a traced function for LLVM. Its arguments are in the rows of the sources,
-    its results go to those of the targets, but for the truth that it `says` last."""
+    its results go to those of the targets, but for the truth that it `says` last. It
+    has code `of_few` lanes beside that of all."""
     graph, kinds = Graph(), iter(traced.in_avals)
 
     def inputs(row: int, shape: tuple[int, ...], kind: str, along=False) -> np.ndarray:
@@ -345,4 +358,12 @@ def _written(
     }
     rows = Rows(layout.rows, layout.directions, strides)
     lanes = lanes_for(layout.directions > 0)
-    return write_function(name, changed, said, rows, masked, lanes)
+
+    if not of_few:
+        return write_function(name, changed, said, rows, masked, lanes)
+    ways, spare_rows = {}, []
+    for width in PACK, HALF:
+        own = f"{name}_{width}"
+        ways[own], spare = write_function(own, changed, said, rows, masked, width)
+        spare_rows.append(spare)
+    return write_choice(name, ways), max(spare_rows)

@@ -63,8 +63,15 @@ declare {f} @llvm.fabs.v{n}f64({f})
 declare {f} @llvm.sqrt.v{n}f64({f})
 declare {f} @llvm.fma.v{n}f64({f}, {f}, {f})
 declare {f} {self.gather}({self.pointers}, i32, {self.truths}, {f})
+"""
+
+
+HALF = PACK // 2
+"""Lanes of a vector of half the lanes."""
+DECLARATIONS = f"""{Vectors(PACK).declarations}{Vectors(HALF).declarations}
 attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
+"""What a module declares that has functions."""
 
 
 def in_order(roots: Iterable[Value]) -> list[Node]:

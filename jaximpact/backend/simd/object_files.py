@@ -10,7 +10,7 @@ import numpy as np
 from ..threads import thread_count
 from .compiler import compile_apart, compile_module
 from .functions import Function
-from .llvm_ir import PACK, Vectors
+from .llvm_ir import DECLARATIONS, HALF, PACK
 from .target import this_target
 
 APART = 5_000
@@ -37,7 +37,7 @@ def lanes_for(differentiated: bool) -> int:
     a fifth slower: half of the lanes does not keep the processor busy.
     """
     halves = differentiated and not this_target().has_long_vectors
-    return PACK // 2 if halves else PACK
+    return HALF if halves else PACK
 
 
 def compile_text(text: str, external_calls: bool = False) -> bytes:
@@ -52,23 +52,25 @@ def compile_text(text: str, external_calls: bool = False) -> bytes:
 
 
 def compile_functions(
-    functions: Sequence[Function], differentiated: bool
+    functions: Sequence[Function], differentiated: bool, thorough: bool = False
 ) -> list[bytes]:
     """Return the machine code of functions, with derivatives or without, as object
-    files in the order in which they are to be loaded.
+    files in the order in which they are to be loaded. What is `thorough` takes longer
+    to compile, and runs faster.
 
     Raises NoMachineCode where this computer can run none.
     """
-    target, lanes = this_target(), lanes_for(differentiated)
-    text = module_of(functions, lanes)
+    target = this_target()
+    text = module_of(functions)
 
     def make() -> bytes:
         machine, objects = target.machine(external_calls=False), None
         count = min(text.count("\n") // APART, thread_count())
-        # Where a register holds eight numbers, values alone run a tenth slower without
-        # LLVM's scheduling.
-        if count and (differentiated or not target.has_long_vectors):
-            objects = compile_apart(machine, _modules(functions, lanes, count))
+        # Without LLVM's scheduling values alone run slower: a tenth where a register
+        # holds eight numbers, some 5 % where it holds four.
+        scheduled = thorough or target.has_long_vectors
+        if count and (differentiated or not scheduled):
+            objects = compile_apart(machine, _modules(functions, count))
         if objects is None:
             objects = [compile_module(machine, text)]
         elif heads := "\n".join(f.head + f.declarations for f in functions):
@@ -88,14 +90,14 @@ def _kept(text: str, external_calls: bool, make: Callable[[], bytes]) -> bytes:
     return _keep(repr(("object", *how, text)), make)
 
 
-def module_of(functions: Sequence[Function], lanes: int) -> str:
+def module_of(functions: Sequence[Function]) -> str:
     """Write functions as one module."""
     texts = [part for function in functions for part in function.parts]
     heads = (function.head for function in functions)
-    return "\n".join([*texts, *heads, Vectors(lanes).declarations])
+    return "\n".join([*texts, *heads, DECLARATIONS])
 
 
-def _modules(functions: Sequence[Function], lanes: int, count: int) -> list[str]:
+def _modules(functions: Sequence[Function], count: int) -> list[str]:
     """Write the parts of functions as at most so many modules of about the same
     length."""
     parts = [part for function in functions for part in function.parts]
@@ -103,8 +105,7 @@ def _modules(functions: Sequence[Function], lanes: int, count: int) -> list[str]
     modules: list[list[str]] = [[] for _ in range(count)]
     for part, end in zip(parts, ends, strict=True):
         modules[count * int(end - 1) // int(ends[-1])].append(part)
-    declared = Vectors(lanes).declarations
-    return ["\n".join([*texts, declared]) for texts in modules if texts]
+    return ["\n".join([*texts, DECLARATIONS]) for texts in modules if texts]
 
 
 def load(objects: Sequence[bytes], external_calls: bool = False):

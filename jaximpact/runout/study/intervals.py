@@ -17,8 +17,9 @@ import functools
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import bdtr, betainc
-from scipy.stats import binom, binomtest
+
+# Not scipy.stats, which takes a second to import.
+from scipy.special import bdtr, betainc, betaincinv
 
 LEVEL = 0.95
 """Probability with which an interval holds the true value, at least."""
@@ -39,7 +40,10 @@ def share_interval(count: int, blocks: int) -> tuple[float, float]:
     `blocks`; NaN where there are no blocks."""
     if blocks == 0:
         return np.nan, np.nan
-    low, high = binomtest(count, blocks).proportion_ci(LEVEL)
+    low = betaincinv(count, blocks - count + 1, TAIL) if count else 0.0
+    high = 1.0
+    if count < blocks:
+        high = betaincinv(count + 1, blocks - count, 1.0 - TAIL)
     return float(low), float(high)
 
 
@@ -91,7 +95,8 @@ def percentile_ranks(blocks: int, percent: float) -> tuple[int, int]:
 
     Source: David and Nagaraja (2003), Order statistics, section 7.1.
     """
-    low, high = binom.ppf([TAIL, 1.0 - TAIL], blocks, percent / 100.0)
+    at_most = _cumulative(blocks, percent)
+    low, high = np.searchsorted(at_most, [TAIL, 1.0 - TAIL])
     return int(low), int(high) + 1
 
 
