@@ -17,17 +17,22 @@ def uses() -> dict[str, Callable]:
     import jax.numpy as jnp
 
     from jaximpact import Block, Impact, Soil, simulate
+    from jaximpact.shapes import EllipticCylinder
 
-    def impact(soil, **impact):
-        return lambda: float(simulate(Block(), soil, Impact(**impact)).e_n)
+    cylinder = Block(shape=EllipticCylinder())
 
-    def gradient():
+    def impact(soil, block=None, **impact):
+        block = Block() if block is None else block
+        return lambda: float(simulate(block, soil, Impact(**impact)).e_n)
+
+    def gradient(block):
         def e_n(logs):
             names = ("k_E", "gamma_v", "c_v")
             soil = Soil(**dict(zip(names, jnp.exp(logs), strict=True)))
-            return simulate(Block(), soil, Impact(angle=0.5)).e_n
+            return simulate(block, soil, Impact(angle=0.5)).e_n
 
-        jax.block_until_ready(jax.jacfwd(e_n)(jnp.log(jnp.asarray([900.0, 8.7, 1.0]))))
+        logs = jnp.log(jnp.asarray([900.0, 8.7, 1.0]))
+        return lambda: jax.block_until_ready(jax.jacfwd(e_n)(logs))
 
     def batch():
         from jaximpact import simulate_batch
@@ -43,8 +48,10 @@ def uses() -> dict[str, Callable]:
         "impact with dashpots": impact(
             Soil(eta_N=0.1, eta_T=0.1, eta_R=0.1), angle=0.5
         ),
-        "gradient": gradient,
+        "gradient": gradient(Block()),
         "batch": batch,
+        "planar impact of a cylinder": impact(Soil(), cylinder, angle=0.5),
+        "gradient of a cylinder": gradient(cylinder),
     }
 
 

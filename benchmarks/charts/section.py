@@ -53,6 +53,8 @@ class Settings:
         "impact with dashpots",
         "gradient",
         "batch",
+        "planar impact of a cylinder",
+        "gradient of a cylinder",
     )
     first_uses_of_peers: tuple[str, ...] = (
         "diffrax Kvaerno5",
