@@ -16,6 +16,7 @@ from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 from jax.sharding import NamedSharding, PartitionSpec
 
 _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
+_FIRST_DERIVATIVES = {"JVPTrace", "LinearizeTrace"}
 _EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "BatchTrace"}
 
 
@@ -78,10 +79,12 @@ def number_in(tracer: Tracer):
 
 
 def primal_of(value):
-    """Find the array that a value of eager differentiation stands for; None where that
-    is traced too, and nothing else of a value that is no tracer."""
+    """Find the array that a tracer of first derivatives outside of `jit` stands for, or
+    a value that is no tracer; None for other tracers, `jax.experimental.jet`'s too."""
     if not isinstance(value, Tracer):
         return value
+    if type(getattr(value, "_trace", None)).__name__ not in _FIRST_DERIVATIVES:
+        return None
     primal = getattr(value, "primal", None)
     return None if isinstance(primal, Tracer) else primal
 
