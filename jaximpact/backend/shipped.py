@@ -30,15 +30,18 @@ SOURCE = "source"
 """What the manifest calls the digests of the files of the source, by their paths."""
 
 
-def usual_impacts() -> Iterator[tuple[Assembly, int]]:
-    """List what is shipped: impacts of an ellipsoid on the laws of `Soil`, and the
-    directions of their derivatives. There are values alone, with the energy ledger as a
-    single impact has it or with the arm work of run-outs, and derivatives."""
+def usual_impacts() -> Iterator[tuple[Assembly, int, bool]]:
+    """List what is shipped: impacts of an ellipsoid on the laws of `Soil`, the
+    directions of their derivatives, and whether there is a history. There are values
+    alone, with the energy ledger as a single impact has it, with its history as a plot
+    needs it, with the arm work of run-outs, and derivatives."""
     structure = jax.tree.structure(Scene())
     for model in MODELS:
-        for ledger, directions in (False, 0), (True, 0), (False, MOST_DIRECTIONS):
-            yield Assembly(structure, model, ledger), directions
-    yield Assembly(structure, PLANAR, ARM), 0
+        yield Assembly(structure, model, False), 0, False
+        yield Assembly(structure, model, True), 0, False
+        yield Assembly(structure, model, True), 0, True
+        yield Assembly(structure, model, False), MOST_DIRECTIONS, False
+    yield Assembly(structure, PLANAR, ARM), 0, False
 
 
 def shipped_code(what: tuple, tree) -> Code | None:

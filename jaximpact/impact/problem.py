@@ -49,9 +49,7 @@ class Assembly(NamedTuple):
     ledger: LedgerItems
 
 
-def naming(
-    assembly: Assembly, directions: int, sampled: bool
-) -> tuple[tuple, Any]:
+def naming(assembly: Assembly, directions: int, sampled: bool) -> tuple[tuple, Any]:
     """Name code of an assembly, with derivatives along directions and with samples: by
     its choices, and a tree of the structure of its scenes."""
     structure = assembly.structure

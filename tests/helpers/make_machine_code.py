@@ -12,7 +12,6 @@ from pathlib import Path
 
 import jax
 
-jax.config.update("jax_enable_x64", True)
 from jaximpact._packages import versions
 from jaximpact.backend.lane_functions import code_of_lanes
 from jaximpact.backend.shipped import (
@@ -32,10 +31,9 @@ def make_archive(level: str) -> Path:
     """Compile what is shipped for a level, and write it."""
     contents = {}
     with compiling_for(level):
-        for assembly, directions in usual_impacts():
-            code = code_of_lanes(assembly, directions, sampled=False, thorough=True)
-            name = name_of(*naming(assembly, directions, sampled=False))
-            contents[name] = pickle.dumps(code)
+        for impact in usual_impacts():
+            code = code_of_lanes(*impact, thorough=True)
+            contents[name_of(*naming(*impact))] = pickle.dumps(code)
     # What is loaded has made the code, but for what names it.
     loaded = {name for name in sys.modules if name.startswith("jaximpact")}
     loaded.remove("jaximpact.backend.shipped")
@@ -54,5 +52,6 @@ def make_archive(level: str) -> Path:
 
 
 if __name__ == "__main__":
+    jax.config.update("jax_enable_x64", True)
     for level in LEVELS:
         print(make_archive(level))

@@ -39,10 +39,7 @@ def opened_anew(monkeypatch):
 def test_archives_are_those_of_the_source(level):
     archive = shipped.open_archive(level)
     assert archive is not None, "run `make machine-code`"
-    names = {
-        shipped.name_of(*naming(assembly, directions, sampled=False))
-        for assembly, directions in shipped.usual_impacts()
-    }
+    names = {shipped.name_of(*naming(*impact)) for impact in shipped.usual_impacts()}
     assert set(archive.namelist()) == {*names, shipped.MANIFEST}
 
 
@@ -89,6 +86,7 @@ def test_usual_scenes_compile_nothing(monkeypatch):
 
     monkeypatch.setattr(rows, "_kernel_sets", {})
     simulate(Block(), Soil(), Impact(angle=0.3))
+    simulate(Block(), Soil(), Impact(angle=0.3), history=True)
     jax.grad(lambda k: simulate(Block(), Soil(k_E=k), Impact()).e_n)(900.0)
     assert simulate(mixed_scenes(10)).e_n.shape == (10,)
     with pytest.raises(AssertionError, match="compiled"):

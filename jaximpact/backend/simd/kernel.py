@@ -21,7 +21,6 @@ from .llvm_ir import HALF, PACK
 from .lower_jaxpr import Dual, Translator
 from .object_files import compile_functions, lanes_for, load
 
-
 MOST_DIRECTIONS = 8
 """Derivatives that share a run of an impact. Each costs some three quarters of the
 value, and each needs 13 KB for eight lanes, which the processor's caches must hold."""

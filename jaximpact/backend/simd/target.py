@@ -85,7 +85,9 @@ class Target(NamedTuple):
         return compile_module(self.machine(external_calls), text)
 
 
-_level: contextvars.ContextVar[str | None] = contextvars.ContextVar("level", default=None)
+_level: contextvars.ContextVar[str | None] = contextvars.ContextVar(
+    "level", default=None
+)
 
 
 @contextlib.contextmanager
