@@ -19,10 +19,9 @@ def uses() -> dict[str, Callable]:
     from jaximpact import Block, Impact, Soil, simulate
     from jaximpact.shapes import EllipticCylinder
 
-    cylinder = Block(shape=EllipticCylinder())
+    ellipsoid, cylinder = Block(), Block(shape=EllipticCylinder())
 
-    def impact(soil, block=None, **impact):
-        block = Block() if block is None else block
+    def impact(soil, block=ellipsoid, **impact):
         return lambda: float(simulate(block, soil, Impact(**impact)).e_n)
 
     def gradient(block):
@@ -31,8 +30,11 @@ def uses() -> dict[str, Callable]:
             soil = Soil(**dict(zip(names, jnp.exp(logs), strict=True)))
             return simulate(block, soil, Impact(angle=0.5)).e_n
 
-        logs = jnp.log(jnp.asarray([900.0, 8.7, 1.0]))
-        return lambda: jax.block_until_ready(jax.jacfwd(e_n)(logs))
+        def compute():
+            logs = jnp.log(jnp.asarray([900.0, 8.7, 1.0]))
+            jax.block_until_ready(jax.jacfwd(e_n)(logs))
+
+        return compute
 
     def batch():
         from jaximpact import simulate_batch
@@ -48,7 +50,7 @@ def uses() -> dict[str, Callable]:
         "impact with dashpots": impact(
             Soil(eta_N=0.1, eta_T=0.1, eta_R=0.1), angle=0.5
         ),
-        "gradient": gradient(Block()),
+        "gradient": gradient(ellipsoid),
         "batch": batch,
         "planar impact of a cylinder": impact(Soil(), cylinder, angle=0.5),
         "gradient of a cylinder": gradient(cylinder),

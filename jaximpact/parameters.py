@@ -539,7 +539,11 @@ def parameters_of(part: Part) -> dict[str, Declared]:
 
 
 caches_by_class = (
-    *(declared_of, _names, _numeric, parts_of, _check_fields),
+    declared_of,
+    _names,
+    _numeric,
+    parts_of,
     _default_of,
+    _check_fields,
 )
 """What is worked out once for each class."""

@@ -107,7 +107,6 @@ def compile_native(
     steps, and with them the time, are not.
     """
     directions = MOST_DIRECTIONS if differentiated else 0
-
     what, tree = naming(assembly, directions, sampled)
 
     def compile_lanes() -> Code:
@@ -204,12 +203,12 @@ def _tell_slower_way(reason: str) -> None:
 
 
 def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:
-    """Code that `make` compiles, or compiled another time for the same.
+    """Return the code that `make` compiles, or that was compiled before for the same.
 
-    Where all is the package's it was shipped, or it is kept on disk, under the version
-    and content of the package. A
-    user's law is traced by each process, since only then it is known what it computes;
-    LLVM's part is kept all the same, under the text of the program.
+    Where all is the package's, the code was shipped, or is kept on disk under the
+    version and the source of the package. A user's law is traced by each process, since
+    only then it is known what it computes; LLVM's part is kept all the same, under the
+    text of the program.
 
     Args:
         what: names the code among all that is compiled for such a tree.
@@ -218,9 +217,10 @@ def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:
     """
     if users_code(tree):
         return make()
-    if (shipped := shipped_code(what, tree)) is not None:
+    description = described(tree)
+    if (shipped := shipped_code(what, description)) is not None:
         return shipped
-    key = repr((what, described(tree), host(), *installed()))
+    key = repr((what, description, host(), *installed()))
     return pickle.loads(kept(key, lambda: pickle.dumps(make())))
 
 

@@ -1,8 +1,9 @@
 """Machine code that comes with the package: the usual scene compiles nothing.
 
-There is an archive for each level of x86, with code for Linux. It holds for the source
-that it was made of alone, each file of which stands in it with a digest: where one
-differs, all is compiled, as for other scenes. `make machine-code` makes it anew.
+There is an archive for each level of x86, with code for Linux. It names the source
+files from which it was made, with the digest of each. Where one of them differs, the
+archive is not used, and all is compiled as for other scenes. `make machine-code` makes
+it anew.
 """
 
 import functools
@@ -16,7 +17,6 @@ from pathlib import Path
 
 import jax
 
-from ..identity import described
 from ..impact.dynamics import ARM
 from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, PLANAR
@@ -31,10 +31,10 @@ SOURCE = "source"
 
 
 def usual_impacts() -> Iterator[tuple[Assembly, int, bool]]:
-    """List what is shipped: impacts of an ellipsoid on the laws of `Soil`, the
-    directions of their derivatives, and whether there is a history. There are values
-    alone, with the energy ledger as a single impact has it, with its history as a plot
-    needs it, with the arm work of run-outs, and derivatives."""
+    """List the impacts whose code is shipped, those of an ellipsoid on the laws of
+    `Soil`: each with its number of directions, 0 for values alone, and whether it has a
+    history. A single impact keeps the energy ledger, its plot needs the history, and
+    run-outs need the arm work."""
     structure = jax.tree.structure(Scene())
     for model in MODELS:
         yield Assembly(structure, model, False), 0, False
@@ -44,34 +44,38 @@ def usual_impacts() -> Iterator[tuple[Assembly, int, bool]]:
     yield Assembly(structure, PLANAR, ARM), 0, False
 
 
-def shipped_code(what: tuple, tree) -> Code | None:
-    """Return the code for the processor at hand, by what names it for `kept_code`; None
-    where there is none, or the source has changed since it was made."""
+def shipped_code(what: tuple, description: tuple | None) -> Code | None:
+    """Return the code for the processor at hand, by what names it for `kept_code` and
+    the description of its inputs; None where there is none, or the source has changed
+    since it was made."""
     level = host()[0]
     if not sys.platform.startswith("linux") or level not in LEVELS:
         return None
-    archive, name = open_archive(level), name_of(what, tree)
-    if archive is None or name not in archive.namelist():
+    name = name_of(what, description)
+    if name not in names_in_archive(level):
         return None
-    return pickle.loads(archive.read(name))
+    # Not kept open: processes that are forked would share the place of reading.
+    with zipfile.ZipFile(ARCHIVES / f"{level}.zip") as archive:
+        return pickle.loads(archive.read(name))
 
 
 @functools.cache
-def open_archive(level: str) -> zipfile.ZipFile | None:
-    """Open the archive of a level; None where it is not there or damaged, is not that
-    of this source, or where this Python was built without lzma."""
+def names_in_archive(level: str) -> frozenset[str]:
+    """List what the archive of a level holds; nothing where it is missing or damaged,
+    was made from another source, or where this Python was built without lzma."""
     try:
-        archive = zipfile.ZipFile(ARCHIVES / f"{level}.zip")
-        source = json.loads(archive.read(MANIFEST))[SOURCE]
+        with zipfile.ZipFile(ARCHIVES / f"{level}.zip") as archive:
+            source = json.loads(archive.read(MANIFEST))[SOURCE]
+            names = frozenset(archive.namelist())
         is_same = all(digest_of(ROOT / name) == source[name] for name in source)
     except (OSError, zipfile.BadZipFile, RuntimeError):
-        return None
-    return archive if is_same else None
+        return frozenset()
+    return names if is_same else frozenset()
 
 
-def name_of(what: tuple, tree) -> str:
+def name_of(what: tuple, description: tuple | None) -> str:
     """Name code in an archive."""
-    return hashlib.sha256(repr((what, described(tree))).encode()).hexdigest()[:32]
+    return hashlib.sha256(repr((what, description)).encode()).hexdigest()[:32]
 
 
 def digest_of(file: Path) -> str:

@@ -24,6 +24,7 @@ from jaximpact.backend.shipped import (
     usual_impacts,
 )
 from jaximpact.backend.simd import LEVELS, compiling_for
+from jaximpact.identity import described
 from jaximpact.impact.problem import naming
 
 
@@ -33,7 +34,8 @@ def make_archive(level: str) -> Path:
     with compiling_for(level):
         for impact in usual_impacts():
             code = code_of_lanes(*impact, thorough=True)
-            contents[name_of(*naming(*impact))] = pickle.dumps(code)
+            what, tree = naming(*impact)
+            contents[name_of(what, described(tree))] = pickle.dumps(code)
     # What is loaded has made the code, but for what names it.
     loaded = {name for name in sys.modules if name.startswith("jaximpact")}
     loaded.remove("jaximpact.backend.shipped")

@@ -357,7 +357,6 @@ def _written(
     }
     rows = Rows(layout.rows, layout.directions, strides)
     lanes = lanes_for(layout.directions > 0)
-
     if not of_few:
         return write_function(name, changed, said, rows, masked, lanes)
     ways, spare_rows = {}, []

@@ -50,8 +50,8 @@ class Vectors:
 
     def in_memory(self, kind: str) -> str:
         """Return the type as which values of a type are kept between parts. Truths are
-        as long as numbers on vectors of half the lanes: processors that have these
-        have no registers for single bits."""
+        as long as numbers on vectors of half the lanes, since processors that work on
+        these alone have no registers for single bits."""
         return self.integers if kind == self.truths and self.lanes < PACK else kind
 
     @property

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 # Not scipy.stats, which takes a second to import.
-from scipy.special import bdtr, betainc, betaincinv
+from scipy.special import bdtr, bdtrik, betainc, betaincinv
 
 LEVEL = 0.95
 """Probability with which an interval holds the true value, at least."""
@@ -95,8 +95,11 @@ def percentile_ranks(blocks: int, percent: float) -> tuple[int, int]:
 
     Source: David and Nagaraja (2003), Order statistics, section 7.1.
     """
-    at_most = _cumulative(blocks, percent)
-    low, high = np.searchsorted(at_most, [TAIL, 1.0 - TAIL])
+    levels, share = np.array([TAIL, 1.0 - TAIL]), percent / 100.0
+    # The number below the true percentile that each level comes to, or one less
+    numbers = np.ceil(bdtrik(levels, blocks, share))
+    less = np.maximum(numbers - 1.0, 0.0)
+    low, high = np.where(bdtr(less, blocks, share) >= levels, less, numbers)
     return int(low), int(high) + 1
 
 
