@@ -32,6 +32,8 @@ import math
 
 import numpy as np
 
+from . import elementary
+
 
 def reaches(x: np.ndarray, y: np.ndarray, largest: float) -> np.ndarray:
     """Compute the reach of each element of a polyline [m]: point, segment, point and so
@@ -76,10 +78,11 @@ class _Elements:
     one."""
 
     def __init__(self, x: np.ndarray, y: np.ndarray):
-        self.slopes = -np.arctan2(np.diff(y), np.diff(x))
+        self.slopes = -elementary.arctan2(np.diff(y), np.diff(x))
         self.x, self.y = x.tolist(), y.tolist()
         self.slope = self.slopes.tolist()
-        self.sin, self.cos = np.sin(self.slopes).tolist(), np.cos(self.slopes).tolist()
+        self.sin = elementary.sin(self.slopes).tolist()
+        self.cos = elementary.cos(self.slopes).tolist()
         self.length = np.hypot(np.diff(x), np.diff(y)).tolist()
 
     def radius_at_end(

@@ -29,6 +29,7 @@ from scipy.special import ndtr, ndtri
 from .._checks import real_number, whole_number
 from .._settings import numpy_settings
 from ..io.checks import check_memory
+from . import elementary
 
 
 class Normal(NamedTuple):
@@ -91,7 +92,7 @@ class Lognormal(NamedTuple):
         """Transform uniform numbers in (0, 1) to this distribution."""
         # A sample beyond the numbers is inf, which the range of the quantity refuses.
         with np.errstate(over="ignore"):
-            values = np.exp(self._logarithm.values(uniforms))
+            values = elementary.exp(self._logarithm.values(uniforms))
         return np.clip(values, self.least, self.most)
 
     @property
@@ -129,9 +130,9 @@ class PowerLaw(NamedTuple):
         """Transform uniform numbers in (0, 1) to this distribution."""
         # By logarithms: powers of the ends may be beyond the numbers.
         span = math.log(self.most) - math.log(self.least)
-        missing = np.expm1(-self.exponent * span)
-        steps = -np.log1p(uniforms * missing) / self.exponent
-        return np.clip(self.least * np.exp(steps), self.least, self.most)
+        missing = math.expm1(-self.exponent * span)
+        steps = -elementary.log1p(uniforms * missing) / self.exponent
+        return np.clip(self.least * elementary.exp(steps), self.least, self.most)
 
 
 Distribution = Normal | Uniform | Lognormal | PowerLaw
@@ -299,7 +300,7 @@ class RandomField(NamedTuple):
         blocks = np.arange(count, dtype=np.uint64)
         words = blocks & np.uint64(0xFFFFFFFF), blocks >> np.uint64(32)
         stream = key_of(seed, f"{key} along the slope")
-        rho = np.exp(-1.0 / CELLS_PER_LENGTH)
+        rho = math.exp(-1.0 / CELLS_PER_LENGTH)
         wanted, place = np.unique(cells, return_inverse=True)
         fields, z = np.empty((count, len(wanted))), np.zeros(count)
         column = 0

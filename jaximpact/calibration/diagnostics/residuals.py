@@ -56,6 +56,8 @@ class Bias(NamedTuple):
     target: str
     mean: float
     """Mean of predicted less measured [unit of the target]."""
+    rms: float
+    """Root of the mean square of the same [unit of the target]."""
     percent: float
     """The same over the mean size of the measurements [%]."""
     above: int
@@ -168,6 +170,7 @@ def _biases(objective: Objective, points: Points) -> list[Bias]:
             Bias(
                 target=study.targets[place],
                 mean=float(np.mean(apart)),
+                rms=rms(apart),
                 percent=float(100.0 * np.mean(apart) / size) if size else np.nan,
                 above=above,
                 count=count,

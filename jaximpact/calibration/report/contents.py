@@ -3,6 +3,7 @@ whole report, which `study_report` puts together."""
 
 import dataclasses
 import itertools
+import math
 
 import numpy as np
 
@@ -207,8 +208,11 @@ def target_table(
 
 
 def _bias_cells(bias: Bias) -> tuple[str, str]:
-    mean = f"{bias.mean:.3g} ({bias.percent:+.1f} %)"
-    return mean, f"{bias.above} of {bias.count}"
+    # No digit beyond the third of the rms: it would depend on how the fit ended.
+    mean = bias.mean
+    if bias.rms > 0.0:
+        mean = round(mean, 2 - math.floor(math.log10(bias.rms))) + 0.0
+    return f"{mean:.3g} ({bias.percent:+.1f} %)", f"{bias.above} of {bias.count}"
 
 
 def bias_table(residuals: Residuals) -> Table:

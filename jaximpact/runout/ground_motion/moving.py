@@ -8,6 +8,7 @@ import numpy as np
 from ..._settings import numpy_settings
 from ...backend.threads import thread_count
 from ...scene import GRAVITY
+from .. import elementary
 from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
 from ..state import NONE, BlockConstants, BlockState, Phase, RunState
@@ -246,7 +247,9 @@ def _slow_down(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     down = lanes[lies]
     if len(down):
         block, constants = select((blocks, state.constants), down)
-        plane = np.arctan2(block.direction * there.normal_x[lies], there.normal_y[lies])
+        plane = elementary.arctan2(
+            block.direction * there.normal_x[lies], there.normal_y[lies]
+        )
         state.move(down, lie_down(block, constants, plane))
     steep = np.abs(there.normal_x) > there.friction * there.normal_y
     back = there.normal_x < 0.0
