@@ -20,7 +20,8 @@ import jax
 from ..impact.dynamics import ARM
 from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, PLANAR
-from ..scene import Scene
+from ..laws import DeepestPoint, WorkConjugate
+from ..scene import Scene, Soil
 from .simd import LEVELS, MOST_DIRECTIONS, Code, host
 
 ROOT = Path(__file__).parents[1]
@@ -34,14 +35,16 @@ def usual_impacts() -> Iterator[tuple[Assembly, int, bool]]:
     """List the impacts whose code is shipped, those of an ellipsoid on the laws of
     `Soil`: each with its number of directions, 0 for values alone, and whether it has a
     history. A single impact keeps the energy ledger, its plot needs the history, and
-    run-outs need the arm work."""
+    run-outs need the arm work, by either kinematics."""
     structure = jax.tree.structure(Scene())
     for model in MODELS:
         yield Assembly(structure, model, False), 0, False
         yield Assembly(structure, model, True), 0, False
         yield Assembly(structure, model, True), 0, True
         yield Assembly(structure, model, False), MOST_DIRECTIONS, False
-    yield Assembly(structure, PLANAR, ARM), 0, False
+    for kinematics in (DeepestPoint(), WorkConjugate()):
+        structure = jax.tree.structure(Scene(soil=Soil(kinematics=kinematics)))
+        yield Assembly(structure, PLANAR, ARM), 0, False
 
 
 def shipped_code(what: tuple, description: tuple | None) -> Code | None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from .._packages import needed
 from ..errors import InputError
@@ -26,6 +25,8 @@ def is_parquet(path: Path) -> bool:
 def csv_of_parquet(path: Path, data: bytes) -> bytes:
     """Return the bytes of a file of Parquet as those of a CSV. Raises InputError for
     what is no such file, and where pyarrow is not installed."""
+    import pandas as pd  # which takes half a second
+
     needed("pyarrow", f"{path}, a table in Parquet,")
     arrow: Any = needed("pyarrow.lib", f"{path}, a table in Parquet,")
     try:
@@ -40,6 +41,8 @@ def csv_of_parquet(path: Path, data: bytes) -> bytes:
 
 def write_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
     """Write columns to a file of Parquet, in one go."""
+    import pandas as pd
+
     needed("pyarrow", f"{path}, a table in Parquet,")
     with open(path, "wb") as file:
         pd.DataFrame(dict(columns)).to_parquet(file, engine="pyarrow", index=False)

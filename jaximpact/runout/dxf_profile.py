@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ..errors import InputError, UnusualValueWarning, nearest
 from ..io.files import read_input
@@ -244,6 +243,8 @@ def _chains(lines: list[Line]) -> list[list[int]]:
         Chains of lines, each line by the end at which the chain comes to it: end 2 i is
         the first point of line i, and 2 i + 1 its last.
     """
+    from scipy.spatial import KDTree  # which takes a while to load
+
     ends = _ends(lines)
     within = np.nextafter(GAP, np.inf)
     # Where a profile goes on two ends meet; of more, eight are enough to tell.

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ..plotting.style import SOIL, VERMILION, WIDTH, On, in_style, panels
 from .terrain import Profile
 
-SPACING = 0.02
+SPACING = 0.05
 """Time between points [s]; smooth at the size of a page."""
 
 

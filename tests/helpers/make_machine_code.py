@@ -5,6 +5,7 @@ and llvmlite give the same files.
 """
 
 import json
+import os
 import pickle
 import sys
 import zipfile
@@ -24,6 +25,7 @@ from jaximpact.backend.shipped import (
     usual_impacts,
 )
 from jaximpact.backend.simd import LEVELS, compiling_for
+from jaximpact.backend.threads import VARIABLE
 from jaximpact.identity import described
 from jaximpact.impact.problem import naming
 
@@ -54,6 +56,8 @@ def make_archive(level: str) -> Path:
 
 
 if __name__ == "__main__":
+    # Code is made in as many parts, and the same files, on any number of cores.
+    os.environ[VARIABLE] = "2"
     jax.config.update("jax_enable_x64", True)
     for level in LEVELS:
         print(make_archive(level))

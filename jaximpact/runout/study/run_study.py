@@ -105,7 +105,10 @@ PERCENTILES = (50, 90, 95, 99)
 FIRST_PORTION = 64
 """Number of blocks of the first portion, and the least that a worker gets."""
 QUICK = 2.0
-"""Time of a portion [s] below which the next has twice the size."""
+"""Time of a portion [s] below which the next is `GROWTH` times as large."""
+GROWTH = 4
+"""Growth of portions: few are many rounds of few blocks, and every round has a price
+that does not depend on how many blocks take part."""
 
 
 def simulate(
@@ -303,7 +306,7 @@ def _run_here(part: _Part, collector: Collector) -> None:
         runs = simulate(part.study, part.blocks[portion], collector.under_way)
         collector.take(part.first + portion, summarise(part.study, runs))
         if time.monotonic() - start < QUICK:
-            size = min(2 * size, WIDTH)
+            size = min(GROWTH * size, WIDTH)
 
 
 def _waiting(part: _Part, collector: Collector) -> np.ndarray:
