@@ -11,7 +11,6 @@ from ..impact.results import ImpactSummary
 from ..quantities import RESULT_COLUMNS
 from ..scene import Scene
 from ..scene_quantities import SHAPE
-from .datasets import inputs_of, kind_of_each, varying_axes
 from .result_table import count_outcomes
 
 SHOWN_OF_MANY = ("e_n", "e_t", "e_bar", "max_penetration_m", "max_normal_force_N")
@@ -73,6 +72,9 @@ def _many(
 
 
 def _varying(scene: Scene, shape: tuple[int, ...]) -> list[str]:
+    # xarray takes half a second to load, and most results are never shown.
+    from .datasets import inputs_of, kind_of_each, varying_axes
+
     names = [
         name for name, quantity in inputs_of(scene, shape).items() if quantity.axes
     ]

@@ -1,71 +1,9 @@
-"""Slope run-out: blocks that fly, strike, roll and stop on a profile."""
+"""Slope run-out: blocks that fly, strike, roll and stop on a profile.
 
-from ..impact_response import ImpactResponse, ImpactResponses
-from .analysis import Maxima, Passages, first_passages, maxima_along, passages
-from .back_analysis.calibrate import calibrate_slope
-from .back_analysis.predictive import SlopeCalibration
-from .blocks import Release
-from .contacts.contact_models import ClosedForm, Contacts, FullModel
-from .profile_formats import read_profile
-from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
-from .scheduler import simulate_runout
-from .study.barriers import Barrier
-from .study.contact_laws import NamedLaw
-from .study.profile_file import MapPlacement
-from .study.run_study import run_slope_study
-from .study.slope_file import (
-    SlopeStudy,
-    StudyInputs,
-    StudySettings,
-    read_slope_studies,
-    read_slope_study,
-)
-from .terrain import Ground, Profile
-from .trajectory import (
-    ContactRecord,
-    Ending,
-    ImpactEnergies,
-    MotionMode,
-    Pieces,
-    Runs,
-)
+The public names stand in `__init__.pyi`. Each module is imported when a name of it is
+asked for: xarray and drawing take a second to load, which run-outs in Python need not.
+"""
 
-__all__ = [
-    "Barrier",
-    "ClosedForm",
-    "ContactRecord",
-    "Contacts",
-    "Ending",
-    "FullModel",
-    "Ground",
-    "ImpactEnergies",
-    "ImpactResponse",
-    "ImpactResponses",
-    "Lognormal",
-    "MapPlacement",
-    "Maxima",
-    "MotionMode",
-    "NamedLaw",
-    "Normal",
-    "Passages",
-    "Pieces",
-    "PowerLaw",
-    "Profile",
-    "Release",
-    "Runs",
-    "SlopeCalibration",
-    "SlopeStudy",
-    "StudyInputs",
-    "StudySettings",
-    "Uniform",
-    "calibrate_slope",
-    "draw",
-    "first_passages",
-    "maxima_along",
-    "passages",
-    "read_profile",
-    "read_slope_studies",
-    "read_slope_study",
-    "run_slope_study",
-    "simulate_runout",
-]
+from .. import _public_names
+
+__getattr__, __dir__, __all__ = _public_names.of_package(__name__, __file__)  # pyright: ignore[reportUnsupportedDunderAll]

@@ -13,14 +13,17 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from paths import DOCS, ROOT
 
 import jaximpact
+import jaximpact.runout
 from jaximpact.cli import main
 
 LAYERS = """
+    _public_names
     errors _types _tables _safe _checks _jax_internals _settings _precision units
     _packages interruption progress progress_lines file_locks store
     finding code_state parameters identity accuracy
@@ -133,18 +136,22 @@ def test_imports_make_no_circle(depth):
         pytest.fail(" <- ".join(error.args[1]))
 
 
-def test_type_checkers_see_the_names_that_load_lazily():
-    stub = ast.parse((ROOT / "jaximpact" / "__init__.pyi").read_text(encoding="utf-8"))
+@pytest.mark.parametrize("package", [jaximpact, jaximpact.runout])
+def test_type_checkers_see_the_names_that_load_lazily(package):
+    stub = Path(package.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
     told = {
-        alias.name: f"jaximpact.{node.module}"
-        for node in stub.body
+        alias.name: "." * node.level + (node.module or "")
+        for node in ast.parse(stub).body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
-    assert sorted(told) == jaximpact.__all__
-    for name, module in told.items():
-        found = getattr(jaximpact, name)
-        assert found is getattr(importlib.import_module(module), name)
+    assert sorted(told) == package.__all__
+    assert {*told} <= {*dir(package)}
+    for name, place in told.items():
+        module = importlib.import_module(place, package.__name__)
+        assert getattr(package, name) is getattr(module, name)
+    with pytest.raises(AttributeError, match=f"'{package.__name__}' has no attribute"):
+        package.nothing  # noqa: B018
 
 
 def test_what_is_slow_to_load_is_loaded_late():
@@ -158,7 +165,8 @@ import jaximpact.cli
 assert "jax" not in sys.modules
 import jaximpact.calibration
 assert "matplotlib" not in sys.modules
-import jaximpact.runout
+from jaximpact.runout import ClosedForm, FullModel, Profile, Release, simulate_runout
+assert not {"matplotlib", "pandas", "xarray"} & {*sys.modules}
 """
     float32 = os.environ | {"JAX_ENABLE_X64": "0"}
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=float32, check=True)

@@ -170,7 +170,7 @@ def _biases(objective: Objective, points: Points) -> list[Bias]:
             Bias(
                 target=study.targets[place],
                 mean=float(np.mean(apart)),
-                rms=rms(apart),
+                rms=float(np.sqrt(np.mean(apart**2))),
                 percent=float(100.0 * np.mean(apart) / size) if size else np.nan,
                 above=above,
                 count=count,
