@@ -155,12 +155,7 @@ def _on_device(wanted: Request, solution: Solution) -> Solution:
     if wanted.sampled or np.ndim(rows[0]):
         return jax.device_put(solution)
     # A twentieth of the time of handing over one number after the other
-    return wanted.solution(_numbers_of(np.array(rows)))
-
-
-@jax.jit
-def _numbers_of(rows: Array) -> list[Array]:
-    return list(rows)
+    return wanted.solution(_rows_of(np.array(rows)))
 
 
 def _known_rows(wanted: Request, values: list) -> list[Array]:

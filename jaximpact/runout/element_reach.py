@@ -32,7 +32,7 @@ import math
 
 import numpy as np
 
-from . import elementary
+from . import libm
 
 
 def reaches(x: np.ndarray, y: np.ndarray, largest: float) -> np.ndarray:
@@ -78,11 +78,11 @@ class _Elements:
     one."""
 
     def __init__(self, x: np.ndarray, y: np.ndarray):
-        self.slopes = -elementary.arctan2(np.diff(y), np.diff(x))
+        self.slopes = -libm.arctan2(np.diff(y), np.diff(x))
         self.x, self.y = x.tolist(), y.tolist()
         self.slope = self.slopes.tolist()
-        self.sin = elementary.sin(self.slopes).tolist()
-        self.cos = elementary.cos(self.slopes).tolist()
+        self.sin = libm.sin(self.slopes).tolist()
+        self.cos = libm.cos(self.slopes).tolist()
         self.length = np.hypot(np.diff(x), np.diff(y)).tolist()
 
     def radius_at_end(

@@ -29,7 +29,7 @@ from scipy.special import ndtr, ndtri
 from .._checks import real_number, whole_number
 from .._settings import numpy_settings
 from ..io.checks import check_memory
-from . import elementary
+from . import libm
 
 
 class Normal(NamedTuple):
@@ -92,7 +92,7 @@ class Lognormal(NamedTuple):
         """Transform uniform numbers in (0, 1) to this distribution."""
         # A sample beyond the numbers is inf, which the range of the quantity refuses.
         with np.errstate(over="ignore"):
-            values = elementary.exp(self._logarithm.values(uniforms))
+            values = libm.exp(self._logarithm.values(uniforms))
         return np.clip(values, self.least, self.most)
 
     @property
@@ -131,8 +131,8 @@ class PowerLaw(NamedTuple):
         # By logarithms: powers of the ends may be beyond the numbers.
         span = math.log(self.most) - math.log(self.least)
         missing = math.expm1(-self.exponent * span)
-        steps = -elementary.log1p(uniforms * missing) / self.exponent
-        return np.clip(self.least * elementary.exp(steps), self.least, self.most)
+        steps = -libm.log1p(uniforms * missing) / self.exponent
+        return np.clip(self.least * libm.exp(steps), self.least, self.most)
 
 
 Distribution = Normal | Uniform | Lognormal | PowerLaw

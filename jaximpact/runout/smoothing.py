@@ -19,7 +19,7 @@ import numpy as np
 
 from .._checks import real_number
 from ..errors import InputError, UnusualValueWarning
-from . import elementary
+from . import libm
 
 
 class Smoothing(NamedTuple):
@@ -88,7 +88,7 @@ def _moves(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
     for offset in range(-np.max(within), np.max(within) + 1):
         at = count[max(0, -offset) : len(x) - max(0, offset)]
         u = (x[at + offset] - x[at]) / length
-        term = np.where(np.abs(u) <= reach, elementary.exp(-0.5 * u**2), 0.0)
+        term = np.where(np.abs(u) <= reach, libm.exp(-0.5 * u**2), 0.0)
         # Relative to the point's own height, which may be of thousands of metres.
         rise = y[at + offset] - y[at]
         for power in range(5):

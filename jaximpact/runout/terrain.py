@@ -16,7 +16,7 @@ from ..io.display import Rows, ShownAsTable, range_of
 from ..quantities import InputColumn, columns_of_part
 from ..scene import Soil
 from ..units import DEGREE
-from . import elementary
+from . import libm
 from .coordinates import NARROWEST, problem_with, warn_of_unusual
 from .covers import cover_table
 from .smoothing import smooth_heights
@@ -151,7 +151,7 @@ class Profile(ShownAsTable):
     @cached_property
     def slope(self) -> np.ndarray:
         """Angles w at which the segments descend to the right [rad], `(segments,)`."""
-        return _fixed(-elementary.arctan2(np.diff(self.y), np.diff(self.x)))
+        return _fixed(-libm.arctan2(np.diff(self.y), np.diff(self.x)))
 
     @cached_property
     def length(self) -> np.ndarray:
@@ -161,7 +161,7 @@ class Profile(ShownAsTable):
     @cached_property
     def normal(self) -> tuple[np.ndarray, np.ndarray]:
         """Normals out of the ground, x and y, each `(segments,)`."""
-        return _fixed(elementary.sin(self.slope)), _fixed(elementary.cos(self.slope))
+        return _fixed(libm.sin(self.slope)), _fixed(libm.cos(self.slope))
 
     @cached_property
     def size(self) -> float:

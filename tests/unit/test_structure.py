@@ -167,6 +167,7 @@ import jaximpact.calibration
 assert "matplotlib" not in sys.modules
 from jaximpact.runout import ClosedForm, FullModel, Profile, Release, simulate_runout
 assert not {"matplotlib", "pandas", "xarray"} & {*sys.modules}
+from jaximpact.runout import *
 """
     float32 = os.environ | {"JAX_ENABLE_X64": "0"}
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=float32, check=True)

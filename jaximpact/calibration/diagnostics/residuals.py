@@ -57,9 +57,9 @@ class Bias(NamedTuple):
     mean: float
     """Mean of predicted less measured [unit of the target]."""
     rms: float
-    """Root of the mean square of the same [unit of the target]."""
+    """Root mean square of predicted less measured [unit of the target]."""
     percent: float
-    """The same over the mean size of the measurements [%]."""
+    """Mean over the mean size of the measurements [%]."""
     above: int
     """Number of exact measurements that the fit overestimates."""
     count: int

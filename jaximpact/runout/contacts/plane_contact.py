@@ -19,7 +19,7 @@ import numpy as np
 from ..._safe import safe_sqrt
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY, Impact
-from .. import elementary
+from .. import libm
 from ..blocks import BlockOutline, Body, support, support_of
 from ..ground_motion.rolling import small_speed
 from ..lane_programs import Values, closed_form
@@ -212,7 +212,7 @@ def on_footprint(
     if not len(small):
         return block
     n_x, n_y = block.normal_x, block.normal_y
-    theta = block.body.orientation - elementary.arctan2(n_x, n_y)
+    theta = block.body.orientation - libm.arctan2(n_x, n_y)
     radius, arm = support_of(outline, theta)
     x = (block.body.x - radius * n_x + arm * n_y)[small]  # of the point that touches
     one = np.maximum(x - half[small], profile.x[0])

@@ -11,7 +11,7 @@ from ..._checks import expect, real_numbers
 from ...errors import UnusualValueWarning
 from ...scene import GRAVITY, Scene
 from ...shapes import AbstractElliptic, shape_by_shape
-from .. import elementary
+from .. import libm
 from ..blocks import BlockOutline, Body, Release, select
 from ..coordinates import HIGHEST_CLIFF, RESOLVED
 from ..lane_programs import closed_form
@@ -124,7 +124,7 @@ def _lying_height_of_ellipse(
     profile: Profile, outline: BlockOutline, x: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
     major, minor = (np.asarray(axis) for axis in outline.axes[:2])
-    sin, cos = elementary.sin(orientation), elementary.cos(orientation)
+    sin, cos = libm.sin(orientation), libm.cos(orientation)
     width = np.hypot(major * sin, minor * cos)
     tilt = (major**2 - minor**2) * sin * cos / width**2
     depth = major * minor / width
@@ -180,7 +180,7 @@ def release_at_touch(
         np.searchsorted(profile.x, x, side="right") - 1, 0, profile.segments - 1
     )
     slope = profile.slope[segment]
-    sin, cos = elementary.sin(slope), elementary.cos(slope)
+    sin, cos = libm.sin(slope), libm.cos(slope)
     release = Release(
         scene.block,
         x=x + support * sin - arm * cos,

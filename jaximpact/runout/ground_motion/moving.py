@@ -8,7 +8,7 @@ import numpy as np
 from ..._settings import numpy_settings
 from ...backend.threads import thread_count
 from ...scene import GRAVITY
-from .. import elementary
+from .. import libm
 from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
 from ..state import NONE, BlockConstants, BlockState, Phase, RunState
@@ -247,7 +247,7 @@ def _slow_down(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     down = lanes[lies]
     if len(down):
         block, constants = select((blocks, state.constants), down)
-        plane = elementary.arctan2(
+        plane = libm.arctan2(
             block.direction * there.normal_x[lies], there.normal_y[lies]
         )
         state.move(down, lie_down(block, constants, plane))

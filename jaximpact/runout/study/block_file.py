@@ -14,7 +14,7 @@ from ...scene import Block
 from ...scene_quantities import SHAPE, part_named, replaced_parts
 from ...shapes import AbstractShape, shape_of_each
 from ...units import DEGREE
-from .. import elementary
+from .. import libm
 from ..blocks import Release
 from ..flight.placement import check_release, lying_height
 from ..random_inputs import Quantity, Uniform
@@ -164,8 +164,8 @@ def make_release(
             block,
             x,
             np.where(np.isfinite(y), y, 0.0),  # off the profile, which is refused next
-            along + speed * elementary.cos(direction),
-            up + speed * elementary.sin(direction),
+            along + speed * libm.cos(direction),
+            up + speed * libm.sin(direction),
             orientation,
             si("angular_velocity_degps"),
         )

@@ -107,8 +107,8 @@ FIRST_PORTION = 64
 QUICK = 2.0
 """Time of a portion [s] below which the next is `GROWTH` times as large."""
 GROWTH = 4
-"""Growth of portions: few are many rounds of few blocks, and every round has a price
-that does not depend on how many blocks take part."""
+"""Factor by which portions grow. Blocks advance in rounds, and a round of few blocks
+takes almost as long as one of many."""
 
 
 def simulate(

@@ -1,10 +1,10 @@
-"""Elementary functions of arrays, with the same digits on every processor.
+"""Functions of the C library, libm, of arrays: the same digits on every processor.
 
-NumPy takes these functions from another library where a processor has AVX-512, and
-their last digits differ. Blocks that tumble make another place to stop of one last
-digit. So where numbers decide how a block moves, each is computed by the C library,
-which has one way for all processors: a run-out can be repeated on another machine with
-the same system. It takes 0.1 to 0.2 microseconds a number.
+NumPy takes these functions from another library where a processor has AVX-512, and the
+last digits differ. One last digit is enough for a block that tumbles to stop elsewhere.
+So all that decides where a block starts and how it moves is computed by libm, which
+does not depend on AVX-512. Another libm, such as that of another system, may give other
+digits. A number takes 0.1 to 0.2 microseconds.
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 
-def _of_arrays(function: Callable[..., float], numpys: np.ufunc) -> Callable:
+def _of_arrays(function: Callable[..., float], of_numpy: np.ufunc) -> Callable:
     def of_arrays(*values: ArrayLike) -> np.ndarray:
         arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in values))
         columns = [array.ravel().tolist() for array in arrays]
@@ -22,15 +22,15 @@ def _of_arrays(function: Callable[..., float], numpys: np.ufunc) -> Callable:
         try:
             return np.fromiter(map(function, *columns), float, size).reshape(shape)
         except (ValueError, OverflowError):
-            # Infinite or NaN somewhere, as NumPy has it.
-            return numpys(*arrays)
+            # `math` raises where NumPy gives inf or NaN. Such numbers are refused
+            # later, so that the digits of the others do not count.
+            return of_numpy(*arrays)
 
     of_arrays.__doc__ = f"Compute `math.{function.__name__}` of each number."
     return of_arrays
 
 
 exp = _of_arrays(math.exp, np.exp)
-expm1 = _of_arrays(math.expm1, np.expm1)
 log1p = _of_arrays(math.log1p, np.log1p)
 sin = _of_arrays(math.sin, np.sin)
 cos = _of_arrays(math.cos, np.cos)
