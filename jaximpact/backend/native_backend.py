@@ -142,7 +142,7 @@ def _telling_how_long(differentiated: bool, of_user: bool) -> Iterator[None]:
         return
     try:
         # Code of a user's law is traced by each process, and LLVM's part is kept.
-        what, low, high = ("derivatives", 5, 10) if differentiated else ("values", 3, 6)
+        what, low, high = ("derivatives", 3, 6) if differentiated else ("values", 2, 4)
         low = 1 if of_user else low
         with showing(None, delay=0.0):
             tell(

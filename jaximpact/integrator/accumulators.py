@@ -145,6 +145,7 @@ def add_work(
     """Add the work in a part of a step to that up to its start."""
     width = part * (step.t1 - step.t0)
 
+    @jax.jit
     def power_at(node):
         vector = step.evaluate(step.t0 + node * width)
         return problem.power(vector, step.rate(part * node), branch)
@@ -227,5 +228,5 @@ def no_step(vector: Float[Array, " n"], fold: Fold) -> LastStep:
     """Make what stands for the last step before the first: one of no width."""
     zero = jnp.zeros_like(vector[0])
     bend = jnp.zeros((3, *vector.shape))
-    step = DenseOutput(t0=zero, t1=zero, y0=vector, y1=vector, k=bend)
+    step = DenseOutput(zero, zero, vector, vector, bend, jnp.sum(bend, axis=0))
     return LastStep(zero, step, branch_of(fold.watched.switches), fold.work)

@@ -12,8 +12,17 @@ import pytest
 from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
 from jaximpact.backend import rows
 from jaximpact.backend.native_backend import compile_native
-from jaximpact.backend.simd import KernelSet, NoMachineCode, compile_kernel, target
+from jaximpact.backend.simd import (
+    KernelSet,
+    NoMachineCode,
+    compile_kernel,
+    kernel,
+    repeated,
+    target,
+)
 from jaximpact.backend.simd import lower_jaxpr as translation
+from jaximpact.backend.simd.graph import Graph
+from jaximpact.backend.simd.llvm_ir import HALF, PACK
 from jaximpact.errors import IncompleteError, NoMachineCodeWarning
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS
@@ -246,6 +255,48 @@ def test_every_lane_comes_to_its_own_end(counter, count, threads):
 def test_inputs_of_another_shape_are_refused(counter):
     with pytest.raises(ValueError, match="got 2 rows of inputs, need 1"):
         counter.compute(np.zeros((2, 3)), threads=1)
+
+
+def of_turns(x, y):
+    """What a loop gives that calls a jitted function in each turn: with a number, a
+    float and a truth that change, and a float and a truth that do not."""
+    is_large, scale = x > 0.5, jnp.exp(y)
+
+    @jax.jit
+    def advance(turn, total, sign, weight):
+        inner = jax.lax.fori_loop(0, 3, lambda k, s: s + jnp.sin(s * y), total)
+        grown = jnp.where(is_large, inner, -inner) / (1.0 + scale * weight)
+        return jnp.where(sign, grown, total + turn), ~sign
+
+    # The weight is the same in the first two turns, but not in all.
+    weights = jnp.array([1.0, 1.0, 1.0, 2.0, 1.0])
+
+    def turn(i, carry):
+        total, sign, all_totals = carry
+        total, sign = advance(i.astype(float), total, sign, weights[i])
+        return total, sign, all_totals.at[i].set(total)
+
+    total, sign, all_totals = jax.lax.fori_loop(
+        0, 5, turn, (x, y > 0.0, jnp.zeros((5, *x.shape)))
+    )
+    return total * scale + jnp.exp(y), jnp.sum(all_totals, axis=0), sign
+
+
+@pytest.mark.parametrize("lanes", [HALF, PACK])
+def test_a_function_that_a_loop_calls_is_called_in_machine_code(lanes, monkeypatch):
+    calls = []
+    call = Graph.call
+    monkeypatch.setattr(
+        Graph, "call", lambda *arguments: calls.append(1) or call(*arguments)
+    )
+    monkeypatch.setattr(repeated, "LEAST_BODY", 1)
+    monkeypatch.setattr(kernel, "lanes_for", lambda differentiated: lanes)
+    x, y = np.random.default_rng(0).uniform(-1.0, 1.0, (2, 50))
+    mine = native(of_turns, x, y)
+    # The first turn is written out, and that with another weight.
+    assert len(calls) == 3
+    for number, expected in zip(mine, of_turns(x, y), strict=True):
+        np.testing.assert_allclose(number, expected, rtol=1e-13)
 
 
 def oblique_scenes(count):

@@ -25,14 +25,14 @@ def test_steps_and_counts_are_in_the_log(caplog):
 def test_who_waits_for_the_compiler_is_told_so_once(capsys):
     """On stderr where nobody listens, also of kernels that are compiled at once; to the
     listener where there is one; to nobody where silence was asked for."""
-    line = "compiling machine code for derivatives, once: 5 to 10 s on two idle cores"
+    line = "compiling machine code for derivatives, once: 3 to 6 s on two idle cores"
     with _telling_how_long(True, False), _telling_how_long(False, False):
         pass
     assert capsys.readouterr().err == f"{line}\n"
     told = []
     with reporting_to(told.append), _telling_how_long(False, True):
         pass
-    assert told == [line.replace("derivatives", "values").replace("5 to 10", "1 to 6")]
+    assert told == [line.replace("derivatives", "values").replace("3 to 6", "1 to 4")]
     with showing(False), _telling_how_long(True, False):
         pass
     with pytest.raises(ZeroDivisionError), _telling_how_long(True, False):

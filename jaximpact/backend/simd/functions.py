@@ -1,36 +1,11 @@
-"""Functions in LLVM's language, whole or in parts.
-
-LLVM's time grows faster than the length of a function. So long functions are divided
-into parts, which can be compiled side by side. What one part works out for another goes
-through rows of the memory that all work on; it would have gone through the stack
-anyway. A vector has all eight lanes of a row, or half of them: then a part runs for one
-half, and for the other.
-
-What depends on a direction is in parts of its own, which run once for each direction,
-on its rows: they are compiled once, and are in the processor's caches when they run
-again. Values never depend on derivatives.
-"""
+"""Functions in LLVM's language, whole or in parts (`parts`)."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from .graph import INTEGER, TRUTH, Node, Value, kind_of
-from .llvm_ir import HALF, ONE, PACK, ZERO, Line, Vectors, Writer, in_order
-
-WHOLE = 12_000
-"""Lines of the longest function of values alone that is not divided. They run slower
-divided: their steps, of some 6 000 lines, by a tenth."""
-PART = 300
-"""Lines of a part of values and derivatives together: the machine code of either fits
-into the 32 KB in which a processor holds instructions at hand. Derivatives run as fast
-by parts of 100 to 500 lines, a tenth slower by those of 1 000, two tenths by 2 000."""
-
-
-class Output(NamedTuple):
-    """A value that a function stores in a row."""
-
-    row: int
-    value: Value
+from .graph import INTEGER, PARAMETER, TRUTH, Call, Node, Value, kind_of
+from .llvm_ir import HALF, ONE, PACK, ZERO, Vectors, Writer, in_order
+from .parts import HandedOn, Output, Part, Rows, divided, parameters_of, results_of
 
 
 class Function(NamedTuple):
@@ -45,24 +20,14 @@ class Function(NamedTuple):
     """Those of the parts, for a module that has the head alone."""
 
 
-class Rows(NamedTuple):
-    """Rows that a function works on."""
-
-    free: int
-    """First of those that it may use for itself."""
-    directions: int = 0
-    strides: Mapping[int, int] = {}
-    """Row of a derivative along the first direction -> how many rows further that along
-    the next one is."""
-
-
 def write_function(
     name: str,
     outputs: Sequence[Output],
     truth: Value,
     rows: Rows,
+    vectors: Vectors,
     masked: bool = False,
-    lanes: int = PACK,
+    calls: Sequence[Call] = (),
 ) -> tuple[Function, int]:
     """Write a function on rows of the memory that it is called with; also return how
     many of the free ones it uses.
@@ -73,24 +38,29 @@ def write_function(
     truth.
 
     Args:
-        lanes: of a vector.
+        calls: those of bodies in the graph.
     """
-    writer = Writer(Vectors(lanes))
-    writer.write(in_order([*(output.value for output in outputs), truth]))
-    parts = _divided(writer, outputs, rows)
-    parts[-1].says = writer.name(truth)
-    handed_on = _HandedOn(writer, parts)
-    for place, part in enumerate(parts):
-        _Text(part, place, writer, rows, handed_on).write(masked)
+    writer, lanes = Writer(vectors), vectors.lanes
+    roots = [*(output.value for output in outputs), truth]
+    writer.write(in_order(roots, calls), calls)
+    sequence = divided(writer, outputs, rows)
+    sequence[-1].says = writer.name(truth)
+    handed_on = HandedOn(writer, sequence)
+    names: dict[Part, str] = {}
+    for place, part in enumerate(sequence):
+        if part not in names:
+            names[part] = f"{name}_{len(names)}"
+            _Text(part, writer, rows, handed_on).write(masked)
+        handed_on.make_room(place)
     spare = handed_on.common + rows.directions * handed_on.along
-    if len(parts) == 1 and lanes == PACK:
-        return Function([_definition(name, parts[0], lanes, rows, handed_on)]), spare
-    names = [f"{name}_{place}" for place in range(len(parts))]
-    named = list(zip(names, parts, strict=True))
+    if len(sequence) == 1 and lanes == PACK:
+        return Function([_definition(name, sequence[0], lanes, rows, handed_on)]), spare
     function = Function(
-        [_definition(own, part, lanes, rows, handed_on) for own, part in named],
-        _head(name, named, lanes),
-        "".join(f"declare i{lanes} @{n}(ptr, i{lanes}, i64)\n" for n, _ in named),
+        [_definition(own, part, lanes, rows, handed_on) for part, own in names.items()],
+        _head(name, names, sequence, lanes),
+        "".join(
+            f"declare i{lanes} @{own}(ptr, i{lanes}, i64)\n" for own in names.values()
+        ),
     )
     return function, spare
 
@@ -124,88 +94,11 @@ define i{PACK} @{name}{arguments} {{
     )
 
 
-class _Part:
-    """A part of a function under way."""
-
-    def __init__(self, made: list[Line], along: bool, outputs: Sequence[Output] = ()):
-        self.made, self.along, self.outputs = made, along, outputs
-        """Instructions; whether they are carried out for each direction; and what it
-        stores at its end."""
-        self.says: str | None = None
-        """Name of the truth that it returns."""
-        self.lines: list[str] = []
-
-
-def _divided(writer: Writer, outputs: Sequence[Output], rows: Rows) -> list[_Part]:
-    """Divide a function. Outputs are stored where nothing that they overwrite is read
-    any more."""
-    lines = writer.lines
-    along = [output for output in outputs if output.row in rows.strides]
-    others = [output for output in outputs if output.row not in rows.strides]
-    if not along and len(lines) <= WHOLE:
-        return [_Part(lines, False, others)]
-    ends, begin = [], 0
-    for place in writer.breaks:
-        if place - begin >= PART and len(lines) - place >= PART // 2:
-            ends.append(place)
-            begin = place
-    parts = []
-    for first, last in zip([0, *ends], [*ends, len(lines)], strict=True):
-        for of_directions in (False, True):
-            made = [line for line in lines[first:last] if line.along == of_directions]
-            if made:
-                parts.append(_Part(made, of_directions))
-    if along:
-        parts.append(_Part([], True, along))
-    return [*parts, _Part([], False, others)]
-
-
-class _HandedOn:
-    """Rows in which parts hand on values to later ones."""
-
-    def __init__(self, writer: Writer, parts: Sequence[_Part]):
-        self.common, self.along = 0, 0
-        """How many there are, for values and for what each direction has."""
-        self.made_in: dict[str, int] = {}
-        self.is_along: dict[str, bool] = {}
-        self.last_use: dict[str, int] = {}
-        for place, part in enumerate(parts):
-            used = [name for line in part.made for name in line.used]
-            used += [writer.name(output.value) for output in part.outputs]
-            used += [part.says] if part.says is not None else []
-            self.last_use |= dict.fromkeys(used, place)
-            self.made_in |= dict.fromkeys((line.made for line in part.made), place)
-            self.is_along |= {line.made: line.along for line in part.made}
-        self._rows: dict[str, int] = {}
-        self._free: dict[bool, list[int]] = {False: [], True: []}
-
-    def is_needed(self, name: str) -> bool:
-        """Tell whether a later part reads a value."""
-        return self.last_use.get(name, -1) > self.made_in[name]
-
-    def row(self, name: str) -> int:
-        """Return the row of a value, among those of its kind."""
-        if name not in self._rows:
-            along = self.is_along[name]
-            if not self._free[along]:
-                self._free[along].append(self.along if along else self.common)
-                self.along, self.common = self.along + along, self.common + (not along)
-            self._rows[name] = self._free[along].pop()
-        return self._rows[name]
-
-    def make_room(self, place: int) -> None:
-        """Forget what no part after this one reads."""
-        for name in [n for n in self._rows if self.last_use[n] == place]:
-            self._free[self.is_along[name]].append(self._rows.pop(name))
-
-
 class _Text:
     """The lines of a part, as they are written."""
 
-    def __init__(
-        self, part: _Part, place: int, writer: Writer, rows: Rows, handed_on: _HandedOn
-    ):
-        self.part, self.place, self.writer, self.rows = part, place, writer, rows
+    def __init__(self, part: Part, writer: Writer, rows: Rows, handed_on: HandedOn):
+        self.part, self.writer, self.rows = part, writer, rows
         self.handed_on, self.vectors = handed_on, writer.vectors
         self.lines: list[str] = []
         self.strides: dict[int, str] = {}
@@ -217,21 +110,27 @@ class _Text:
         for line in part.made:
             for name in line.used:
                 self.bring(name)
-            self.lines.append(line.text)
+            if line.text:
+                self.lines.append(line.text)
+            else:
+                assert part.after is not None, "a call before"
+                self.take(line.made, results_of(part.after)[line.result][0])
             self.here.add(line.made)
             if handed_on.is_needed(line.made):
-                self.hand_on(line.made)
+                self.hand_on(line.made, line.made)
         mask = None
         if masked and part.outputs:
             columns = f"bitcast i{self.vectors.lanes} %columns to {self.vectors.truths}"
             mask = self.new(columns)
         for output in part.outputs:
             self.store(output, mask)
+        for to, value in part.passed:
+            name = self.bring(self.writer.name(value))
+            self.hand_on(name, to, self.vectors.of[kind_of(value)])
         if part.says is not None:
             said = self.bring(part.says)
             bits = f"bitcast {self.vectors.truths} {said} to i{self.vectors.lanes}"
             part.says = self.new(bits)
-        handed_on.make_room(self.place)
         part.lines = [*self.bases(), *self.lines]
 
     def new(self, text: str) -> str:
@@ -251,6 +150,10 @@ class _Text:
         base = self.strides.setdefault(stride, f"%by{stride}") if stride else "%work"
         return self.at(row, base)
 
+    def type_of(self, name: str) -> str:
+        node = self.writer.inputs.get(name)
+        return self.writer.types[name] if node is None else self.vectors.of[node.kind]
+
     def handed_on_at(self, name: str) -> str:
         row = self.handed_on.row(name)
         if self.handed_on.is_along[name]:
@@ -267,25 +170,31 @@ class _Text:
         """Read a value that is an input, or comes from another part, once."""
         if name not in self.here and name.startswith("%"):
             self.here.add(name)
-            if name in self.writer.inputs:
-                self.read(name, self.writer.inputs[name])
+            node = self.writer.inputs.get(name)
+            if node is None:
+                self.take(name, name)
+            elif node.operation == PARAMETER:
+                assert self.part.body is not None, "a body has parameters"
+                (place,) = node.arguments
+                self.take(name, parameters_of(self.part.body)[place][0])
             else:
-                self.take(name)
+                self.read(name, node)
         return name
 
-    def hand_on(self, name: str) -> None:
-        """Store a value for later parts."""
-        kind, at = self.writer.types[name], self.handed_on_at(name)
+    def hand_on(self, name: str, to: str, kind: str | None = None) -> None:
+        """Store a value for other parts, in the row of a name."""
+        at = self.handed_on_at(to)
+        kind = kind or self.writer.types[name]
         kept = self.vectors.in_memory(kind)
         if kept != kind:
             name = self.new(f"sext {kind} {name} to {kept}")
         self.lines.append(f"  store {kept} {name}, {at}")
 
-    def take(self, name: str) -> None:
-        """Read a value that comes from another part."""
-        kind = self.writer.types[name]
+    def take(self, name: str, where: str) -> None:
+        """Read a value that comes from another part, in the row of a name."""
+        kind = self.type_of(name)
         kept = self.vectors.in_memory(kind)
-        read = f"load {kept}, {self.handed_on_at(name)}"
+        read = f"load {kept}, {self.handed_on_at(where)}"
         if kept != kind:
             read = f"icmp slt {kept} {self.new(read)}, zeroinitializer"
         self.lines.append(f"  {name} = {read}")
@@ -314,7 +223,7 @@ class _Text:
 
 
 def _definition(
-    name: str, part: _Part, lanes: int, rows: Rows, handed_on: _HandedOn
+    name: str, part: Part, lanes: int, rows: Rows, handed_on: HandedOn
 ) -> str:
     """Write a part as a function."""
     arguments = f"ptr %work, i{lanes} %columns, i64 %direction"
@@ -330,8 +239,10 @@ def _definition(
     return "\n".join([*lines, *part.lines, f"  ret i{lanes} {said}", "}\n"])
 
 
-def _head(name: str, parts: list[tuple[str, _Part]], lanes: int) -> str:
-    """Write the function that calls the parts one after the other, each for every
+def _head(
+    name: str, names: Mapping[Part, str], sequence: Sequence[Part], lanes: int
+) -> str:
+    """Write the function that calls the parts in their sequence, each for every
     vector in which a column is wanted, and if need be for every direction: its
     instructions are at hand then. The last one gives the bits.
 
@@ -340,10 +251,11 @@ def _head(name: str, parts: list[tuple[str, _Part]], lanes: int) -> str:
     foresees where each leads; in a loop derivatives take a sixth longer.
     """
     table, starts = f"@{name}_parts", [*range(0, PACK, lanes)]
-    addresses = ", ".join(f"ptr @{own}" for own, _ in parts)
-    along = [part.along for _, part in parts]
+    addresses = ", ".join(f"ptr @{own}" for own in names.values())
+    places = {part: place for place, part in enumerate(names)}
+    parts = [(places[part], part.along) for part in sequence]
     lines = [
-        f"{table} = global [{len(parts)} x ptr] [{addresses}]",
+        f"{table} = global [{len(names)} x ptr] [{addresses}]",
         f"define i{PACK} @{name}(ptr %work, i{PACK} %columns, i64 %directions) {{",
         "begin:",
     ]
@@ -360,28 +272,32 @@ def _head(name: str, parts: list[tuple[str, _Part]], lanes: int) -> str:
             lines += [
                 f"  br i1 %empty{other}, label %only{start}, label %not{start}",
                 f"only{start}:",
-                *_calls(table, along, [start], lanes, f"only{start}"),
+                *_calls(table, parts, [start], lanes, f"only{start}"),
                 f"not{start}:",
             ]
             label = f"not{start}"
-    return "\n".join([*lines, *_calls(table, along, starts, lanes, label), "}\n"])
+    return "\n".join([*lines, *_calls(table, parts, starts, lanes, label), "}\n"])
 
 
 def _calls(
-    table: str, along: list[bool], starts: list[int], lanes: int, label: str
+    table: str,
+    parts: Sequence[tuple[int, bool]],
+    starts: list[int],
+    lanes: int,
+    label: str,
 ) -> list[str]:
     """Write the calls of the parts for vectors that start at some columns, and the
     return of their bits.
 
     Args:
-        along: of each part, whether it is called for each direction.
+        parts: place of each in the table, and whether it is called for each direction.
         label: that of the block that the calls begin in; other names end with it.
     """
     lines, block = [], label
-    for place, of_directions in enumerate(along):
+    for place, (entry, of_directions) in enumerate(parts):
         own = f"{place}_{label}"
         lines += [
-            f"  %at{own} = getelementptr ptr, ptr {table}, i64 {place}",
+            f"  %at{own} = getelementptr ptr, ptr {table}, i64 {entry}",
             f"  %part{own} = load ptr, ptr %at{own}",
         ]
         direction = "0"
@@ -407,7 +323,7 @@ def _calls(
             ]
     bits = "0"
     for start in starts:
-        of_part = f"%bits{start}_{len(along) - 1}_{label}"
+        of_part = f"%bits{start}_{len(parts) - 1}_{label}"
         lines += [
             f"  %wide{start}_{label} = {_resized(of_part, lanes, PACK)}",
             f"  %placed{start}_{label} = shl i{PACK} %wide{start}_{label}, {start}",

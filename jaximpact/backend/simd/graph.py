@@ -13,6 +13,8 @@ from typing import NamedTuple
 FLOAT, INTEGER, TRUTH = "double", "i64", "i1"
 INPUT = "input"
 """Operation of a value that is given."""
+PARAMETER, RESULT = "parameter", "result"
+"""Operations of a value that a body is called with, and of one that a call gives."""
 KINDS = {float: FLOAT, int: INTEGER, bool: TRUTH}
 PYTHON = {kind: python for python, kind in KINDS.items()}
 NUMPY = {"f": FLOAT, "i": INTEGER, "u": INTEGER, "b": TRUTH}
@@ -148,11 +150,38 @@ OPERATIONS = {
 }
 
 
+class Body:
+    """Arithmetic that is called several times, each time with other values of its
+    parameters; what else it needs is the same at each call."""
+
+    def __init__(self, parameters: list[Node], first: int):
+        self.parameters = parameters
+        self.first, self.last = first, first
+        """What has a number from the one up to below the other is worked out at each
+        call."""
+        self.results: list[Value] = []
+
+    def has(self, value: Value) -> bool:
+        """Tell whether a value is worked out at each call."""
+        return isinstance(value, Node) and self.first <= value.number < self.last
+
+
+class Call(NamedTuple):
+    """A call of a body."""
+
+    body: Body
+    arguments: list[Value]
+    """Values of the parameters."""
+    results: list[Node]
+    """Nodes that stand for what the call gives."""
+
+
 class Graph:
     """A graph of nodes: the same operation on the same arguments is the same node."""
 
     def __init__(self):
         self._known: dict[tuple, Node] = {}
+        self.calls: list[Call] = []
 
     def _remember(self, key: tuple, kind: str, arguments: tuple, along: bool) -> Node:
         node = self._known.get(key)
@@ -165,6 +194,34 @@ class Graph:
         """Return the node of the value, or of the derivative along a direction, in a
         row of the kernel's memory."""
         return self._remember((INPUT, place), kind, (place,), along)
+
+    def begin_body(self, parameters: list[tuple[str, bool]]) -> Body:
+        """Begin a body, to which all belongs that is made up to its end. Of each of its
+        parameters the kind is given, and whether it is a derivative."""
+        place = len(self._known)
+        nodes = [
+            self._remember((PARAMETER, place, k), kind, (k,), along)
+            for k, (kind, along) in enumerate(parameters)
+        ]
+        return Body(nodes, len(self._known))
+
+    def end_body(self, body: Body, results: list[Value]) -> None:
+        """End a body, which gives some results."""
+        body.last, body.results = len(self._known), results
+
+    def call(self, body: Body, arguments: list[Value]) -> list[Value]:
+        """Return what a body gives for values of its parameters."""
+        number, nodes, results = len(self.calls), [], []
+        for place, value in enumerate(body.results):
+            if body.has(value) or value in body.parameters:
+                key = RESULT, number, place
+                value = self._remember(
+                    key, kind_of(value), (number, place), is_along(value)
+                )
+                nodes.append(value)
+            results.append(value)
+        self.calls.append(Call(body, arguments, nodes))
+        return results
 
     def apply(self, name: str, *arguments: Value) -> Value:
         """Apply an operation of `OPERATIONS`; numbers alone give a number."""

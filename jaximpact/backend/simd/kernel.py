@@ -14,12 +14,14 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
+from .arrays import Dual
 from .driver import Program
-from .functions import Function, Output, Rows, write_choice, write_function
+from .functions import Function, write_choice, write_function
 from .graph import FLOAT, INPUT, NUMPY, Graph, Node, Value
 from .llvm_ir import HALF, PACK
-from .lower_jaxpr import Dual, Translator
-from .object_files import compile_functions, lanes_for, load
+from .lower_jaxpr import Translator
+from .object_files import compile_functions, lanes_for, load, vectors_of
+from .parts import Output, Rows
 
 MOST_DIRECTIONS = 8
 """Derivatives that share a run of an impact. Each costs some three quarters of the
@@ -356,12 +358,16 @@ def _written(
         for place in range(math.prod(part.shapes[leaf]))
     }
     rows = Rows(layout.rows, layout.directions, strides)
-    lanes = lanes_for(layout.directions > 0)
+
+    def written(name: str, lanes: int) -> tuple[Function, int]:
+        vectors = vectors_of(lanes)
+        return write_function(name, changed, said, rows, vectors, masked, graph.calls)
+
     if not of_few:
-        return write_function(name, changed, said, rows, masked, lanes)
+        return written(name, lanes_for(layout.directions > 0))
     ways, spare_rows = {}, []
     for width in PACK, HALF:
         own = f"{name}_{width}"
-        ways[own], spare = write_function(own, changed, said, rows, masked, width)
+        ways[own], spare = written(own, width)
         spare_rows.append(spare)
     return write_choice(name, ways), max(spare_rows)

@@ -16,10 +16,22 @@ there zero by next to nothing is NaN.
 
 import re
 import struct
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
-from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value
+from .graph import (
+    FLOAT,
+    INPUT,
+    INTEGER,
+    OPERATIONS,
+    PARAMETER,
+    RESULT,
+    TRUTH,
+    Body,
+    Call,
+    Node,
+    Value,
+)
 
 PACK = 8
 """Lanes side by side: the numbers of a row."""
@@ -30,10 +42,11 @@ NAME = re.compile(r"%v\d+")
 
 
 class Vectors:
-    """Types of vectors of so many lanes, in LLVM's words."""
+    """Types of vectors of so many lanes, in LLVM's words; `packs_truths` where the
+    processor has registers for single bits."""
 
-    def __init__(self, lanes: int):
-        self.lanes = lanes
+    def __init__(self, lanes: int, packs_truths: bool):
+        self.lanes, self.packs_truths = lanes, packs_truths
         self.floats, self.integers, self.truths, self.pointers = (
             f"<{lanes} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH, "ptr")
         )
@@ -49,10 +62,10 @@ class Vectors:
         """Names that the templates of `OPERATIONS` have for them."""
 
     def in_memory(self, kind: str) -> str:
-        """Return the type as which values of a type are kept between parts. Truths are
-        as long as numbers on vectors of half the lanes, since processors that work on
-        these alone have no registers for single bits."""
-        return self.integers if kind == self.truths and self.lanes < PACK else kind
+        """Return the type as which values of a type are kept between parts: truths are
+        as long as numbers, unless they are packed."""
+        is_long = kind == self.truths and not self.packs_truths
+        return self.integers if is_long else kind
 
     @property
     def declarations(self) -> str:
@@ -68,15 +81,16 @@ declare {f} {self.gather}({self.pointers}, i32, {self.truths}, {f})
 
 HALF = PACK // 2
 """Lanes of a vector of half the lanes."""
-DECLARATIONS = f"""{Vectors(PACK).declarations}{Vectors(HALF).declarations}
+DECLARATIONS = f"""{Vectors(PACK, True).declarations}{Vectors(HALF, True).declarations}
 attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
 """What a module declares that has functions."""
 
 
-def in_order(roots: Iterable[Value]) -> list[Node]:
-    """List all nodes that the roots need but the inputs, in the order of their making,
-    each after its arguments.
+def in_order(roots: Iterable[Value], calls: Sequence[Call] = ()) -> list[Node]:
+    """List all nodes that the roots need but inputs and parameters, in the order of
+    their making, each after its arguments. Those of bodies stand before what the first
+    call gives.
 
     LLVM keeps the order of what depends on nothing between, by and large. As made, a
     derivative stands by what it is the derivative of. Root by root instead, two
@@ -89,9 +103,15 @@ def in_order(roots: Iterable[Value]) -> list[Node]:
         node = stack.pop()
         if node.number not in needed:
             needed[node.number] = node
-            stack.extend(a for a in node.arguments if isinstance(a, Node))
+            values: Iterable[Any] = node.arguments
+            if node.operation == RESULT:
+                call = calls[node.arguments[0]]
+                # Where the first call stands, the body does.
+                first = next(other for other in calls if other.body is call.body)
+                values = [*call.arguments, *call.body.results, *first.results]
+            stack.extend(value for value in values if isinstance(value, Node))
     ordered = (needed[number] for number in sorted(needed))
-    return [node for node in ordered if node.operation != INPUT]
+    return [node for node in ordered if node.operation not in (INPUT, PARAMETER)]
 
 
 MAY_BE_PRODUCTS = {"multiply", "divide", "negate", "choose_float", "magnitude"}
@@ -161,11 +181,27 @@ class Line(NamedTuple):
     """An instruction."""
 
     text: str
+    """Nothing for what a call gives, which is read where it left it."""
     made: str
     """Name of its result."""
     used: list[str]
     along: bool
     """True for what is worked out for each direction."""
+    result: int = -1
+    """Place of what a call gives."""
+
+
+class Stretch:
+    """Lines between two calls, or those of a body."""
+
+    def __init__(self, body: Body | None = None, after: Body | None = None):
+        self.body, self.after = body, after
+        """The body that they are, and the one that is called before them."""
+        self.call: Call | None = None
+        """The call that follows."""
+        self.lines: list[Line] = []
+        self.breaks: list[int] = []
+        """Lines before which a part of the function may begin."""
 
 
 class Writer:
@@ -173,22 +209,21 @@ class Writer:
 
     def __init__(self, vectors: Vectors):
         self.vectors = vectors
-        self.lines: list[Line] = []
+        self.stretches = [Stretch()]
+        """In the order of their running, but for bodies, which stand once."""
         self.names: dict[int, str] = {}
         self.inverses: dict[int, str] = {}
-        self.breaks: list[int] = []
-        """Lines before which a part of the function may begin."""
         self.types: dict[str, str] = {}
         """LLVM type of each value that one part may hand on to another."""
         self.inputs: dict[str, Node] = {}
-        """Inputs by name: each part reads those that it needs."""
+        """Inputs and parameters by name: each part reads those that it needs."""
         self.is_along = False
         self.count = 0
 
     def name(self, value: Value) -> str:
         if not isinstance(value, Node):
             return _constant(value)
-        if value.operation == INPUT and id(value) not in self.names:
+        if value.operation in (INPUT, PARAMETER) and id(value) not in self.names:
             name = self.names[id(value)] = self.new_name()
             self.inputs[name] = value
         return self.names[id(value)]
@@ -200,14 +235,27 @@ class Writer:
     def new(self, text: str) -> str:
         """Add an instruction; return the name of its result."""
         name = self.new_name()
-        self.lines.append(
+        self.stretches[-1].lines.append(
             Line(f"  {name} = {text}", name, NAME.findall(text), self.is_along)
         )
         return name
 
-    def write(self, nodes: list[Node]) -> None:
+    def write(self, nodes: list[Node], calls: Sequence[Call] = ()) -> None:
+        bodies = {id(call.body): call.body for call in calls}.values()
+        called = set()
         for node in nodes:
-            self.breaks.append(len(self.lines))
+            stretch = self.stretches[-1]
+            body = next((body for body in bodies if body.has(node)), None)
+            if body is not stretch.body and body is not None:
+                self.stretches.append(Stretch(body))
+            if node.operation == RESULT and node.arguments[0] not in called:
+                number = node.arguments[0]
+                called.add(number)
+                before = next(s for s in reversed(self.stretches) if s.body is None)
+                before.call = calls[number]
+                self.stretches.append(Stretch(after=calls[number].body))
+            stretch = self.stretches[-1]
+            stretch.breaks.append(len(stretch.lines))
             self.is_along = node.along
             name = self.names[id(node)] = self.written(node)
             self.types[name] = self.vectors.of[node.kind]
@@ -215,6 +263,10 @@ class Writer:
     def written(self, node: Node) -> str:
         """Write a node; return the name of its result."""
         operation, arguments = node.operation, node.arguments
+        if operation == RESULT:
+            line = Line("", self.new_name(), [], node.along, arguments[1])
+            self.stretches[-1].lines.append(line)
+            return line.made
         if operation == "entry":
             return self.entry(self.name(arguments[0]))
         if is_quotient(node):

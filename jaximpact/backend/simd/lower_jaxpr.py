@@ -1,13 +1,14 @@
 """Lowering of the jaxpr of one lane to a graph.
 
 Arrays of the jaxpr are numpy arrays of values (`graph.Value`), one a lane. Loops of a
-known number of turns are written out.
+known number of turns are written out, but for long jitted functions that they call:
+from the second turn on these are a body of code that is called (`graph.Body`).
 """
 
 import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -15,20 +16,10 @@ import numpy as np
 
 from ..._jax_internals import Literal, bind, called, place_of, scan_counts, walk
 from . import math_functions as elementary
+from .arrays import Dual, Values, values_of
 from .graph import FLOAT, INTEGER, NUMPY, TRUTH, Graph, Node, Value, kind_of
 from .math_functions import REWRITTEN
-
-Values = np.ndarray
-"""Array of values (`graph.Value`)."""
-
-
-def values_of(array) -> Values:
-    """List values of a known array."""
-    array = np.asarray(array)
-    values = np.empty(array.shape, object)
-    for place in np.ndindex(array.shape):
-        values[place] = array[place].item()
-    return values
+from .repeated import Repeated, is_long
 
 
 def _each(function: Callable, *arrays: Values) -> Values:
@@ -70,14 +61,6 @@ class NoMachineCode(NotImplementedError):
     """File, line and function that it stands in, where that is known."""
 
 
-class Dual(NamedTuple):
-    """An array, and its tangent: the derivative along a direction; None where that is
-    zero by structure."""
-
-    values: Values
-    tangent: Values | None = None
-
-
 class Translator:
     """A walk through a jaxpr, equation by equation, with derivatives along one
     direction.
@@ -88,6 +71,10 @@ class Translator:
 
     def __init__(self, graph: Graph):
         self.graph = graph
+        self.repeated: dict[int, Repeated] | None = None
+        """Functions that the loop under way calls, by the names of their equations;
+        None outside of loops, and where calls are written out."""
+        self.writes_calls_out = False
 
     def run(self, jaxpr, constants, arguments: Iterable[Dual]) -> list[Dual]:
         """Compute the outputs of a jaxpr."""
@@ -102,6 +89,13 @@ class Translator:
         try:
             if name == "scan":
                 return self.scan(equation, operands)
+            if (
+                self.repeated is not None
+                and inner is not None
+                and name != "custom_jvp_call"
+                and is_long(inner.jaxpr)
+            ):
+                return self.repeat(equation, inner, operands)
             # Of a function that has its own derivative the values alone are those of
             # what it calls.
             if inner is not None and not (varied and name == "custom_jvp_call"):
@@ -180,11 +174,38 @@ class Translator:
         if params["reverse"]:
             turns.reverse()
         rows: list[list[Dual]] = [[]] * len(turns)
+        outer = self.repeated
+        if not self.writes_calls_out:
+            self.repeated = {}
         for i in turns:
             series = (_turn(operand, i) for operand in operands[first:])
             outputs = self.run(inner.jaxpr, inner.consts, [*constants, *carry, *series])
             carry, rows[i] = outputs[:carried], outputs[carried:]
+        self.repeated = outer
         return [*carry, *map(_stacked, zip(*rows, strict=True))]
+
+    def repeat(self, equation, inner, operands: list[Dual]) -> list[Dual]:
+        """Compute what a jitted function gives that a loop calls. In the first turn it
+        is written out: it may share much with what stands before the loop."""
+        repeated = self.repeated
+        assert repeated is not None, "in a loop"
+
+        def run(operands: list[Dual]) -> list[Dual]:
+            self.repeated, self.writes_calls_out = None, True
+            results = self.run(inner.jaxpr, inner.consts, operands)
+            self.repeated, self.writes_calls_out = repeated, False
+            return results
+
+        if id(equation) not in repeated:
+            repeated[id(equation)] = Repeated(equation, operands)
+            return run(operands)
+        function = repeated[id(equation)]
+        if function.body is None:
+            function.make(self.graph, operands, run)
+        arguments = function.arguments(operands)
+        if arguments is None:
+            return run(operands)
+        return function.call(self.graph, arguments)
 
     def reduce(self, function: Callable, axes, values: Values) -> Values:
         for axis in sorted(axes, reverse=True):

@@ -10,7 +10,7 @@ import numpy as np
 from ..threads import thread_count
 from .compiler import compile_apart, compile_module
 from .functions import Function
-from .llvm_ir import DECLARATIONS, HALF, PACK
+from .llvm_ir import DECLARATIONS, HALF, PACK, Vectors
 from .target import this_target
 
 APART = 5_000
@@ -38,6 +38,11 @@ def lanes_for(differentiated: bool) -> int:
     """
     halves = differentiated and not this_target().has_long_vectors
     return HALF if halves else PACK
+
+
+def vectors_of(lanes: int) -> Vectors:
+    """Return the types of vectors of so many lanes, for this processor."""
+    return Vectors(lanes, lanes == PACK and this_target().has_long_vectors)
 
 
 def compile_text(text: str, external_calls: bool = False) -> bytes:
