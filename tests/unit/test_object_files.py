@@ -18,7 +18,7 @@ from jaximpact.backend.simd import (
     object_files,
     target,
 )
-from jaximpact.backend.simd import functions as in_parts
+from jaximpact.backend.simd import parts as in_parts
 
 LANES = 37
 INPUTS = np.random.default_rng(1).uniform(1.0, 40.0, (3, LANES))

@@ -89,8 +89,8 @@ attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 
 def in_order(roots: Iterable[Value], calls: Sequence[Call] = ()) -> list[Node]:
     """List all nodes that the roots need but inputs and parameters, in the order of
-    their making, each after its arguments. Those of bodies stand before what the first
-    call gives.
+    their making, each after its arguments. Those of a body stand before what the first
+    call of it gives.
 
     LLVM keeps the order of what depends on nothing between, by and large. As made, a
     derivative stands by what it is the derivative of. Root by root instead, two
@@ -241,12 +241,13 @@ class Writer:
         return name
 
     def write(self, nodes: list[Node], calls: Sequence[Call] = ()) -> None:
+        """Write nodes, in the order of `in_order`. A stretch begins with each body, and
+        with what each call gives."""
         bodies = {id(call.body): call.body for call in calls}.values()
         called = set()
         for node in nodes:
-            stretch = self.stretches[-1]
             body = next((body for body in bodies if body.has(node)), None)
-            if body is not stretch.body and body is not None:
+            if body is not None and body is not self.stretches[-1].body:
                 self.stretches.append(Stretch(body))
             if node.operation == RESULT and node.arguments[0] not in called:
                 number = node.arguments[0]

@@ -127,6 +127,7 @@ def _parts_of(stretch: Stretch, whole: bool) -> list[Part]:
 def _pass(parts: list[Part], names: list[tuple[str, bool]], values: list[Value]):
     """Have parts store values in the rows of some names, each told whether it is of a
     derivative: at the end of the last part of its kind."""
+    body = parts[0].body if parts else None
     for of_directions in (False, True):
         passed = [
             (name, value)
@@ -138,6 +139,7 @@ def _pass(parts: list[Part], names: list[tuple[str, bool]], values: list[Value])
         last = next((p for p in reversed(parts) if p.along == of_directions), None)
         if last is None:
             last = Part([], of_directions)
+            last.body = body
             parts.append(last)
         last.passed = passed
 
