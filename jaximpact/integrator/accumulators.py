@@ -145,6 +145,7 @@ def add_work(
     """Add the work in a part of a step to that up to its start."""
     width = part * (step.t1 - step.t0)
 
+    # Jitted, so that machine code has it as a function: see `rodas5p_step`.
     @jax.jit
     def power_at(node):
         vector = step.evaluate(step.t0 + node * width)

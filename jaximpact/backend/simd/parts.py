@@ -170,8 +170,8 @@ class HandedOn:
     def __init__(self, writer: Writer, sequence: Sequence[Part]):
         self.common, self.along = 0, 0
         """How many there are, for values and for what each direction has."""
-        self.made_in: dict[str, Part] = {}
         self.is_along: dict[str, bool] = {}
+        made_in: dict[str, Part] = {}
         readers: dict[str, set[Part]] = {}
         first: dict[Part, int] = {}
         last: dict[Part, int] = {}
@@ -182,14 +182,14 @@ class HandedOn:
             first[part] = place
             for name in part.used(writer):
                 readers.setdefault(name, set()).add(part)
-            self.made_in |= dict.fromkeys((line.made for line in part.made), part)
+            made_in |= dict.fromkeys((line.made for line in part.made), part)
             self.is_along |= {line.made: line.along for line in part.made}
         for body in {part.body for part in sequence if part.body is not None}:
             self.is_along |= dict([*parameters_of(body), *results_of(body)])
         self.last_use: dict[str, int] = {}
         self.room: dict[str, Body | None] = {}
         """The body for which alone a value is."""
-        for name, part in self.made_in.items():
+        for name, part in made_in.items():
             others = readers.get(name, set()) - {part}
             if not others:
                 continue
