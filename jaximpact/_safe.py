@@ -21,11 +21,16 @@ def safe_sqrt(x: Scalar) -> Scalar:
 
 
 def safe_power(x: Scalar, exponent: Scalar) -> Scalar:
-    """Compute `x ** exponent` for `x > 0`; value 0 and gradient 0 for `x <= 0`.
+    """Compute `x ** exponent` for `x > 0`; value 0 and gradient 0 for `x <= 0`."""
+    positive = x > 0
+    power = positive_power(jnp.where(positive, x, 1.0), exponent)
+    return jnp.where(positive, power, 0.0)
+
+
+def positive_power(x: Scalar, exponent: Scalar) -> Scalar:
+    """Compute `x ** exponent` where `x` is known to be positive.
 
     Written as `exp(exponent log x)`: the same value to rounding, and both factors
     vectorise on a CPU where `pow` does not.
     """
-    positive = x > 0
-    log = jnp.log(jnp.where(positive, x, 1.0))
-    return jnp.where(positive, jnp.exp(exponent * log), 0.0)
+    return jnp.exp(exponent * jnp.log(x))

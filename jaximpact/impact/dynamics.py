@@ -316,7 +316,7 @@ def contact(
         ),
         elastic_rates=(
             approach[0] - flow.normal,
-            approach[1] - flow.tangential - slip,
+            approach[1] - slip - flow.tangential,
             approach[2] - flow.rotational,
         ),
     )

@@ -22,6 +22,8 @@ Coefficients: Steinebach (2023), BIT Numer. Math. 63:27,
 https://doi.org/10.1007/s10543-023-00967-x, in the form of Hairer and Wanner.
 """
 
+import functools
+import operator
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -173,14 +175,16 @@ class DenseOutput(diffrax.AbstractLocalInterpolation):
 
 
 def factorise(rows: list[dict[int, Array]]) -> tuple[list[dict[int, Array]], list]:
-    """Compute LU factors without pivoting, by rows; entries that are absent are zero.
+    """Compute the factors L D U without pivoting, by rows; entries that are absent are
+    zero.
 
     Args:
         rows: a dictionary column -> entry for each row, the diagonal included.
 
     Returns:
-        The factors in the same form (L below the diagonal, U on and above it) and the
-        inverse pivots.
+        Entries of L below the diagonal and of U above it, in the same form, and the
+        inverses of D. Both diagonals are one, so that a row of `substitute` waits for
+        no product with a pivot.
     """
     rows = [dict(row) for row in rows]
     inverse_pivots = []
@@ -194,21 +198,31 @@ def factorise(rows: list[dict[int, Array]]) -> tuple[list[dict[int, Array]], lis
                 if j > pivot:
                     product = row[pivot] * upper
                     row[j] = row[j] - product if j in row else -product
-    return rows, inverse_pivots
+    factors = [
+        {j: v * inverse if j > i else v for j, v in row.items() if j != i}
+        for i, (row, inverse) in enumerate(zip(rows, inverse_pivots, strict=True))
+    ]
+    return factors, inverse_pivots
 
 
-def substitute(rows, inverse_pivots, right_hand_side: list[Array]) -> list[Array]:
-    """Solve the factorised system for one right-hand side."""
+def substitute(factors, inverse_pivots, right_hand_side: list[Array]) -> list[Array]:
+    """Solve the factorised system for one right-hand side.
+
+    What is worked out last enters each sum last: the operations of a stage wait for
+    each other, and that is most of a step's time.
+    """
     x = list(right_hand_side)
-    for i, row in enumerate(rows):
-        for j, lower in row.items():
-            if j < i:
-                x[i] = x[i] - lower * x[j]
-    for i, row in reversed(list(enumerate(rows))):
-        for j, upper in row.items():
+    for i, row in enumerate(factors):
+        *early, last = [row[j] * x[j] for j in sorted(row) if j < i] or [None]
+        if early:
+            x[i] = x[i] - functools.reduce(operator.add, early)
+        if last is not None:
+            x[i] = x[i] - last
+    x = [value * inverse for value, inverse in zip(x, inverse_pivots, strict=True)]
+    for i, row in reversed(list(enumerate(factors))):
+        for j in sorted(row, reverse=True):
             if j > i:
-                x[i] = x[i] - upper * x[j]
-        x[i] = x[i] * inverse_pivots[i]
+                x[i] = x[i] - row[j] * x[j]
     return x
 
 

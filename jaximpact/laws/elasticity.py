@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._jax_internals import namespace_of
-from .._safe import safe_power
+from .._safe import positive_power, safe_power
 from .._types import Scalar
 from ..parameters import Part, parameter
 from ..shapes import Foundation
@@ -94,12 +94,13 @@ def footing_stiffness(
     shape_ratio = jnp.where(oblong, ratio, 1.0 / ratio)
     if foundation.most_slender is not None:
         shape_ratio = jnp.minimum(shape_ratio, foundation.most_slender)
-    shear_modulus = S_ef * modulus / (2.0 * (1.0 + poisson))
+    shear = S_ef / (2.0 * (1.0 + poisson))  # G / E
+    # The modulus last: it is what is worked out last.
     return Stiffness(
-        normal=shape_factor(shape_ratio)
-        * (4.0 * shear_modulus * radius / (1.0 - poisson)),
-        tangential=8.0 * shear_modulus * radius / (2.0 - poisson),
-        rotational=8.0 * shear_modulus * radius**3 / (3.0 * (1.0 - poisson)),
+        normal=modulus
+        * (shape_factor(shape_ratio) * (4.0 * shear / (1.0 - poisson) * radius)),
+        tangential=modulus * (8.0 * shear / (2.0 - poisson) * radius),
+        rotational=modulus * (8.0 * shear / (3.0 * (1.0 - poisson)) * radius**3),
     )
 
 
@@ -131,12 +132,11 @@ class DuncanChang(AbstractFootingSprings):
     """
 
     def __call__(self, foundation, unit_weight_normal, elastic_normal, *, branch=None):
-        radius = equal_area_radius(foundation)
-        modulus = (
-            self.k_E
-            * ATMOSPHERIC_PRESSURE
-            * safe_power(unit_weight_normal * radius / ATMOSPHERIC_PRESSURE, self.n_E)
-        )
+        # The power of the square, which needs no root.
+        per_radius = unit_weight_normal / ATMOSPHERIC_PRESSURE
+        square = 0.25 * per_radius**2 * (foundation.length * foundation.width)
+        modulus = self.k_E * ATMOSPHERIC_PRESSURE
+        modulus *= positive_power(square, 0.5 * self.n_E)
         return footing_stiffness(modulus, self.S_ef, self.poisson, foundation, branch)
 
 

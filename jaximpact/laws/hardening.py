@@ -85,8 +85,7 @@ class AbstractPathHardening(AbstractHardening):
             * foundation.length
             * jnp.where(rocks_back, -flow.rotational, flow.rotational)
         )
-        rate = self.c_v * (1.0 - hardening) * path
-        return rate / self.path_length(foundation)
+        return self.c_v * (1.0 - hardening) / self.path_length(foundation) * path
 
     def heeds_signs(self) -> tuple[Any, Any]:
         return self.alpha_vT > 0.0, self.alpha_vR > 0.0

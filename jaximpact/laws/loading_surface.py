@@ -7,7 +7,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._safe import TINY, safe_power
+from .._safe import TINY, positive_power
 from .._types import Scalar
 from ..parameters import Part, parameter
 from ..shapes import Foundation
@@ -108,26 +108,28 @@ class NovaMontrasio(AbstractLoadingSurface):
 
     def __call__(self, forces, capacity, foundation, friction_slope) -> Load:
         lever = self.psi * foundation.length
-        xi = forces.normal / capacity
-        h = forces.tangential / (friction_slope * capacity)
-        m = forces.moment / (lever * capacity)
-        least = (jnp.abs(h) + jnp.abs(m)) / LARGEST_RATIO
-        divisor = jnp.maximum(jnp.maximum(xi, least), TINY)
-        h_ratio, m_ratio = h / divisor, m / divisor
+        # h / xi and m / xi do not depend on V_M.
+        tangential = forces.tangential / friction_slope
+        rotational = forces.moment / lever
+        least = (jnp.abs(tangential) + jnp.abs(rotational)) / LARGEST_RATIO
+        divisor = jnp.maximum(jnp.maximum(forces.normal, least), TINY)
+        h_ratio, m_ratio = tangential / divisor, rotational / divisor
         square = h_ratio**2 + m_ratio**2
         root = jnp.sqrt(square + self.rounding**2)
         # eta = root - e, without cancellation; TINY keeps the power's gradient finite
         # at 0
         eta = square / (root + self.rounding) + TINY
-        w = safe_power(eta, 1.0 / self.beta)
+        w = positive_power(eta, 1.0 / self.beta)
         inside = jnp.minimum(w, TANGENT_FROM)
-        slope = 1.0 / (1.0 - inside) ** 2
-        factor = 1.0 / (1.0 - inside) + slope * (w - inside)
-        # dF/d(ratio) / ratio: F'(w) w'(eta) / root
-        common = slope * (w / (self.beta * eta)) / root
+        inverse = 1.0 / (1.0 - inside)
+        slope = inverse**2
+        beyond = w - inside
+        steepness = w / (self.beta * eta * root)  # w'(eta) / root
+        # dF/d(ratio) / ratio
+        common = slope * steepness
         return Load(
-            size=divisor * factor,
-            normal=factor - common * square,
+            size=divisor / capacity * (inverse + slope * beyond),
+            normal=inverse + slope * (beyond - steepness * square),
             tangential=common * h_ratio,
             rotational=common * m_ratio,
             tangential_scale=friction_slope,

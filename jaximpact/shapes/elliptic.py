@@ -72,7 +72,7 @@ class AbstractElliptic(AbstractShape):
         relative_sinking = sinking / support
         q = safe_sqrt(relative_sinking * (2.0 - relative_sinking))
         difference = (major**2 - minor**2) * sin * cos
-        half_section = major * minor * q / support
+        half_section = major * minor / support * q
         section_centre = -height * difference / support**2
         extreme = jnp.sqrt((major * sin) ** 2 + (minor * cos) ** 2)
         right_is_above = -height - difference / extreme < 0.0

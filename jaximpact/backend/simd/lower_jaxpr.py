@@ -404,6 +404,9 @@ def _rule_of(equation, varied: tuple[int, ...]):
 
     def tangents_of(*operands_and_tangents):
         operands = operands_and_tangents[: len(avals)]
+        if equation.primitive.name in OWN_RULES:
+            tangents = dict(zip(varied, operands_and_tangents[len(avals) :], strict=True))
+            return [OWN_RULES[equation.primitive.name](*operands, tangents)]
 
         def of_varied(*values):
             given = dict(zip(varied, values, strict=True))
@@ -419,6 +422,18 @@ def _rule_of(equation, varied: tuple[int, ...]):
     if not is_alone:
         _rules[key] = rule
     return rule
+
+
+def _quotient_rule(x, y, tangents: dict):
+    """Derivative of a quotient, in fewer operations than by JAX's rule."""
+    if 1 not in tangents:
+        return tangents[0] / y
+    if 0 not in tangents:
+        return tangents[1] * -(x / y / y)
+    return (tangents[0] - tangents[1] * (x / y)) / y
+
+
+OWN_RULES = {"div": _quotient_rule}
 
 
 def _broadcast(params, x: Values) -> Values:
