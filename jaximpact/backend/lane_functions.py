@@ -13,6 +13,7 @@ from .._settings import collector_paused
 from ..impact.problem import Assembly
 from ..impact.results import History, ImpactSummary
 from ..impact.specialize import depends
+from ..integrator.accumulators import cut
 from ..integrator.batched import Lanes, sample_lanes, start_lanes, step_lanes
 from ..integrator.summarise import summarise_lanes
 from .simd import Code, Derivatives, LaneFunctions, compile_code
@@ -67,7 +68,8 @@ def _changing(lanes: _Lanes, inputs, leaves: int) -> list[int]:
     traced, at_start = jax.make_jaxpr(lanes.begin, return_shape=True)(inputs)
     of_inputs = [place < leaves for place in range(len(traced.in_avals))]
     from_start = depends(traced.jaxpr, of_inputs)
-    state = {id(leaf) for leaf in jax.tree.leaves(at_start.state)}
+    uncut = at_start.state._replace(fold=cut(at_start.state.fold, lambda _: None))
+    state = {id(leaf) for leaf in jax.tree.leaves(uncut)}
     constants = {id(leaf) for leaf in jax.tree.leaves(at_start.problem)}
     return [
         i

@@ -3,6 +3,7 @@
 It costs the step size control nothing, and no history need be kept.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -63,6 +64,23 @@ class Fold(NamedTuple):
         return jnp.where(self.turned > 0.0, 2.0 * rise - end_rate, start_rate)
 
 
+def cut(fold: Fold, by: Callable = jax.lax.stop_gradient) -> Fold:
+    """Cut from differentiation what no derivative of a result needs: where a step lands
+    is fixed, and what corrects the time of the end is zero but for the derivative of
+    the margin."""
+    return fold._replace(
+        peak_times=by(fold.peak_times),
+        watched=fold.watched._replace(switches=by(fold.watched.switches)),
+        watched_rate=fold.watched_rate._replace(
+            margins=by(fold.watched_rate.margins),
+            switches=by(fold.watched_rate.switches),
+        ),
+        rates=by(fold.rates),
+        turned=by(fold.turned),
+        stalled=by(fold.stalled),
+    )
+
+
 GAUSS_NODES = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15))
 GAUSS_WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 
@@ -74,7 +92,7 @@ def start_fold(problem: Problem, vector) -> Fold:
     nothing = Observed(*[zero] * len(Observed._fields))
     watched = problem.watch(list(vector), zero)
     still = jax.tree.map(jnp.zeros_like, watched)._replace(observed=nothing)
-    return Fold(
+    fold = Fold(
         peaks=nothing._replace(normal_force=watched.observed.normal_force),
         peak_times=nothing,
         work=Work(*[zero] * len(Work._fields)),
@@ -89,6 +107,7 @@ def start_fold(problem: Problem, vector) -> Fold:
         turned=zero,
         stalled=zero if problem.model.damped else None,
     )
+    return cut(fold)
 
 
 def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) -> Fold:
@@ -127,7 +146,7 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
     sides = _stacked(branch), _stacked(branch_of(watched.switches))
     is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
     turned = jnp.any((sides[0] != sides[1]) & is_on, axis=0)
-    return Fold(
+    fold = Fold(
         peaks=Observed(*peaks),
         peak_times=Observed(*times),
         work=work,
@@ -137,6 +156,7 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
         turned=jnp.where(turned, 1.0, 0.0),
         stalled=_stalled_steps(problem, fold, time, width),
     )
+    return cut(fold)
 
 
 def add_work(
@@ -179,7 +199,7 @@ def _stalled_steps(problem: Problem, fold: Fold, time, width) -> Scalar | None:
     if fold.stalled is None:
         return None
     progresses = (width > PROGRESS * time) | (time > ONSET * problem.passing_time)
-    return jax.lax.stop_gradient(jnp.where(progresses, 0.0, fold.stalled + 1.0))
+    return jnp.where(progresses, 0.0, fold.stalled + 1.0)
 
 
 def hermite_cubic(start, start_rate, end, end_rate, width):

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._jax_internals import namespace_of
-from .._safe import positive_power, safe_power
+from .._safe import safe_power
 from .._types import Scalar
 from ..parameters import Part, parameter
 from ..shapes import Foundation
@@ -95,7 +95,7 @@ def footing_stiffness(
     if foundation.most_slender is not None:
         shape_ratio = jnp.minimum(shape_ratio, foundation.most_slender)
     shear = S_ef / (2.0 * (1.0 + poisson))  # G / E
-    # The modulus last: it is what is worked out last.
+    # The modulus comes last: all else is known before it.
     return Stiffness(
         normal=modulus
         * (shape_factor(shape_ratio) * (4.0 * shear / (1.0 - poisson) * radius)),
@@ -136,7 +136,7 @@ class DuncanChang(AbstractFootingSprings):
         per_radius = unit_weight_normal / ATMOSPHERIC_PRESSURE
         square = 0.25 * per_radius**2 * (foundation.length * foundation.width)
         modulus = self.k_E * ATMOSPHERIC_PRESSURE
-        modulus *= positive_power(square, 0.5 * self.n_E)
+        modulus *= safe_power(square, 0.5 * self.n_E)
         return footing_stiffness(modulus, self.S_ef, self.poisson, foundation, branch)
 
 

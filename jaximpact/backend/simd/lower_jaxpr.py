@@ -65,8 +65,9 @@ class Translator:
     """A walk through a jaxpr, equation by equation, with derivatives along one
     direction.
 
-    The rule of an equation is JAX's: the jaxpr of its `jvp`, traced once for all
-    equations that are alike. That takes a third of the time of a `jvp` of the whole.
+    The rule of an equation is JAX's, but for quotients: the jaxpr of its `jvp`, traced
+    once for all equations that are alike. That takes a third of the time of a `jvp` of
+    the whole.
     """
 
     def __init__(self, graph: Graph):
@@ -404,17 +405,17 @@ def _rule_of(equation, varied: tuple[int, ...]):
 
     def tangents_of(*operands_and_tangents):
         operands = operands_and_tangents[: len(avals)]
-        if equation.primitive.name in OWN_RULES:
-            tangents = dict(zip(varied, operands_and_tangents[len(avals) :], strict=True))
-            return [OWN_RULES[equation.primitive.name](*operands, tangents)]
+        tangents = operands_and_tangents[len(avals) :]
+        if equation.primitive.name == "div":
+            x, y = operands
+            return [_of_quotient(x, y, dict(zip(varied, tangents, strict=True)))]
 
         def of_varied(*values):
             given = dict(zip(varied, values, strict=True))
             results = bind(equation, [given.get(k, x) for k, x in enumerate(operands)])
             return [x for x in results if jnp.issubdtype(x.dtype, jnp.floating)]
 
-        at = [operands[k] for k in varied]
-        return jax.jvp(of_varied, at, list(operands_and_tangents[len(avals) :]))[1]
+        return jax.jvp(of_varied, [operands[k] for k in varied], list(tangents))[1]
 
     of_tangents = [avals[k] for k in varied]
     structs = [jax.ShapeDtypeStruct(x.shape, x.dtype) for x in [*avals, *of_tangents]]
@@ -424,16 +425,14 @@ def _rule_of(equation, varied: tuple[int, ...]):
     return rule
 
 
-def _quotient_rule(x, y, tangents: dict):
-    """Derivative of a quotient, in fewer operations than by JAX's rule."""
+def _of_quotient(x, y, tangents: dict):
+    """Compute the derivative of x / y in fewer operations than JAX takes, from those of
+    x (0) and of y (1)."""
     if 1 not in tangents:
         return tangents[0] / y
     if 0 not in tangents:
         return tangents[1] * -(x / y / y)
     return (tangents[0] - tangents[1] * (x / y)) / y
-
-
-OWN_RULES = {"div": _quotient_rule}
 
 
 def _broadcast(params, x: Values) -> Values:
