@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.extend.core import jaxpr_as_fun
 
 from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
 from jaximpact.backend import rows
@@ -230,6 +231,19 @@ def test_a_processor_without_fused_multiply_adds_calls_a_library(monkeypatch):
     monkeypatch.setattr(target, "host", lambda: ("x86-64", "+sse2"))
     there = native(lambda x: jnp.sin(x) * x + 1.0, x)
     assert there.tobytes() == here.tobytes()
+
+
+@pytest.mark.parametrize("varied", [(0,), (1,), (0, 1)])
+def test_the_rule_of_a_quotient_is_its_derivative(varied):
+    operands, tangents = np.random.default_rng(0).uniform(0.5, 2.0, (2, 2, 100))
+    equation = jax.make_jaxpr(jnp.divide)(*operands).eqns[0]
+    rule = translation._rule_of(equation, varied)
+    given = [tangents[k] for k in varied]
+    found = jaxpr_as_fun(rule)(*operands, *given)
+    moved = [tangents[k] if k in varied else 0.0 * tangents[k] for k in (0, 1)]
+    _, expected = jax.jvp(jnp.divide, tuple(operands), tuple(moved))
+    # A few roundings of terms of the size of one.
+    np.testing.assert_allclose(found[0], expected, rtol=0.0, atol=1e-14)
 
 
 @pytest.fixture(scope="module")
