@@ -243,8 +243,8 @@ def sensitivity(profile, release, contacts, **how):
     [
         (LAW, 1.0, 1e-6),
         (ClosedForm(RigidEllipsoid(0.6)), 0.0, 1e-6),
-        # Mirrored impacts are integrated by other steps, to the accuracy of "fast".
-        (FullModel("fast"), 1.0, 2e-2),
+        # Mirrored impacts are integrated by other steps, to the accuracy of "balanced".
+        (FullModel("balanced"), 1.0, 2e-2),
     ],
 )
 @pytest.mark.parametrize("ground", GROUNDS)

@@ -230,7 +230,7 @@ def test_elimination_fills_only_where_the_pattern_demands():
     rows = [{0: 2.0, 3: 1.0}, {1: 3.0, 3: 1.0}, {2: 4.0, 3: 1.0}]
     rows.append({0: 1.0, 1: 1.0, 2: 1.0, 3: 9.0})
     factors, _ = factorise(rows)
-    assert [sorted(row) for row in factors] == [[3], [3], [3], [0, 1, 2]]
+    assert [sorted(row) for row in factors] == [[0, 3], [1, 3], [2, 3], [0, 1, 2, 3]]
 
 
 STRUCTURE_SCENES = {
