@@ -68,6 +68,7 @@ def _changing(lanes: _Lanes, inputs, leaves: int) -> list[int]:
     traced, at_start = jax.make_jaxpr(lanes.begin, return_shape=True)(inputs)
     of_inputs = [place < leaves for place in range(len(traced.in_avals))]
     from_start = depends(traced.jaxpr, of_inputs)
+    # What is cut from differentiation has no rows of derivatives.
     uncut = at_start.state._replace(fold=cut(at_start.state.fold, lambda _: None))
     state = {id(leaf) for leaf in jax.tree.leaves(uncut)}
     constants = {id(leaf) for leaf in jax.tree.leaves(at_start.problem)}

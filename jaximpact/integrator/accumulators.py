@@ -65,9 +65,14 @@ class Fold(NamedTuple):
 
 
 def cut(fold: Fold, by: Callable = jax.lax.stop_gradient) -> Fold:
-    """Cut from differentiation what no derivative of a result needs: where a step lands
-    is fixed, and what corrects the time of the end is zero but for the derivative of
-    the margin."""
+    """Cut from differentiation what no derivative of a result needs.
+
+    Widths of steps are constants, and so is where they end. The correction of the time
+    of the end is zero in value: of its quotient the margin alone has a derivative.
+
+    Args:
+        by: what is done to each of these quantities.
+    """
     return fold._replace(
         peak_times=by(fold.peak_times),
         watched=fold.watched._replace(switches=by(fold.watched.switches)),

@@ -72,6 +72,7 @@ def flow_direction(
     """
     heaves = load.normal < 0.0 if branch is None else branch.heaves
     normal = jnp.where(heaves, dilatancy, 1.0) * load.normal
+    # The normal part is known last.
     norm = jnp.sqrt(load.tangential**2 + load.rotational**2 + TINY + normal**2)
     return FlowRate(normal / norm, load.tangential / norm, load.rotational / norm)
 
