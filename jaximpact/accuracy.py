@@ -30,9 +30,9 @@ class Accuracy:
 
     | name | steps | e_n, median | e_n, 95 % | gradient, median | gradient, 95 % |
     |---|---|---|---|---|---|
-    | fast | 68 | 6e-6 | 3e-5 | 2e-4 | 3e-3 |
-    | balanced | 128 | 7e-8 | 7e-7 | 2e-6 | 8e-5 |
-    | reference | 529 | 9e-11 | 4e-10 | 2e-8 | 5e-7 |
+    | fast | 61 | 3e-6 | 3e-5 | 8e-5 | 3e-3 |
+    | balanced | 120 | 6e-8 | 6e-7 | 2e-6 | 8e-5 |
+    | reference | 515 | 9e-11 | 4e-10 | 6e-9 | 4e-7 |
     """
 
     name: str

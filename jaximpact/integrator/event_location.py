@@ -6,8 +6,8 @@ at which the cubic through value and slope at both ends is zero, until a step la
 there. So state and time are as accurate as the steps themselves, not as their
 interpolant, and no second copy of the step is compiled. Most of them are foreseen: the
 next step is made to end where the parabola of the last one is zero. With that, and with
-widths that shrink as the contact's end comes near, an oblique impact takes a seventh
-fewer steps at `fast`, of which half as many are rejected.
+widths that shrink as the end of the contact comes near, an oblique impact takes a
+seventh fewer steps at `fast`, and half as many are rejected.
 """
 
 from typing import Any, NamedTuple
@@ -167,7 +167,7 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing
     height, rate = of_first(end) + shift, of_first(end_rate)
     comes = ~passed & of_first(falls) & (height > 0.0) & (rate < 0.0)
     bend = per_width(rate - of_first(start_rate), width)
-    # A parabola that turns before zero is taken to its lowest point, twice as far.
+    # Where the parabola turns before zero: twice as far as the straight line goes.
     root = jnp.sqrt(jnp.maximum(rate**2 - 2.0 * height * bend, 0.0))
     ahead = 2.0 * height / jnp.where(comes, root - rate, 1.0)
     ahead = jnp.where(comes, ahead, jnp.inf)
@@ -279,6 +279,7 @@ class LandingController(diffrax.AbstractStepSizeController):
             jnp.maximum(next_t1, next_t0 + resumed),
             next_t1,
         )
+        # What is coming is met by the next step; its width is kept for after a switch.
         proposed = next_t1 - next_t0
         aims = landed & (after.turned == 0.0) & (proposed > ahead) & ~passing
         next_t1 = jnp.where(aims, next_t0 + ahead, next_t1)
