@@ -170,26 +170,28 @@ def _known_rows(wanted: Request, values: list) -> list[Array]:
     known = [np.asarray(primal_of(value)) for value in values]
     solution, columns = columns_of(wanted, known, None, list(varied), in_jax=False)
     rows = np.stack(jax.tree.leaves(solution))
-    # What is transposed later is outside of `own_transfers`.
-    rows, columns = jax.device_put((rows, [column for (column,) in columns]))
-    return _rows_along(list(varied.values()), rows, columns)
+    # One array, since JAX takes a while for each. What is transposed later is outside
+    # of `own_transfers`.
+    numbers = jax.device_put(np.stack([rows, *(column for (column,) in columns)]))
+    return _rows_along(list(varied.values()), numbers)
 
 
 @jax.custom_jvp
-def _along_values(values: list, rows: Array, columns: list[Array]) -> Array:
-    """Return rows of numbers whose derivatives with respect to values are columns."""
-    return rows
+def _along_values(values: list, numbers: Array) -> Array:
+    """Return rows of numbers, the first entry of an array, whose derivatives with
+    respect to each of the values are the further ones."""
+    return numbers[0]
 
 
 @_along_values.defjvp
 def _along_values_jvp(primals, tangents):
-    (_, rows, columns), (steps, _, _) = primals, tangents
-    return rows, _along(columns, steps)
+    (_, numbers), (steps, _) = primals, tangents
+    return numbers[0], _along(list(numbers[1:]), steps)
 
 
 @jax.jit
-def _rows_along(values: list, rows: Array, columns: list[Array]) -> list[Array]:
-    return list(_along_values(values, rows, columns))
+def _rows_along(values: list, numbers: Array) -> list[Array]:
+    return list(_along_values(values, numbers))
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
