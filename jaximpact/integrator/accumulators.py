@@ -254,5 +254,7 @@ def no_step(vector: Float[Array, " n"], fold: Fold) -> LastStep:
     """Make what stands for the last step before the first: one of no width."""
     zero = jnp.zeros_like(vector[0])
     bend = jnp.zeros((3, *vector.shape))
-    step = DenseOutput(zero, zero, vector, vector, bend, jnp.sum(bend, axis=0))
+    step = DenseOutput(
+        zero, zero, vector, vector, jnp.zeros_like(vector), bend, jnp.sum(bend, axis=0)
+    )
     return LastStep(zero, step, branch_of(fold.watched.switches), fold.work)

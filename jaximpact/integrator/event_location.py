@@ -26,8 +26,10 @@ from .accumulators import Fold, hermite_cubic, peak_of_cubic
 from .error_control import ErrorControl
 from .rosenbrock import per_width
 
-LANDING = 1e-10
-"""Magnitude below which a margin counts as zero."""
+LANDING = 1e-12, 1e-5, 1e-8
+"""Magnitude below which a margin counts as zero: the least one, that as a fraction of
+the tolerance, and the largest one. Derivatives leave out by how much the end has been
+missed."""
 ON_SWITCH = 1e-9, 1e-2
 """Magnitude below which a switching function counts as zero: absolute, and as a
 fraction of the tolerance. Derivatives leave out by how much a switch has been missed:
@@ -47,6 +49,12 @@ ONSET = INITIAL_SINKING, 0.1
 initial compression of the springs is forgotten, and all grows as powers of time."""
 LARGEST_GROWTH = 1.3
 """Largest growth of a step at the onset on top of what its error allows."""
+
+
+def landing(tolerance: Scalar) -> Scalar:
+    """Compute the magnitude below which a margin counts as zero."""
+    least, part, largest = LANDING
+    return jnp.clip(part * tolerance, least, largest)
 
 
 class Landing(NamedTuple):
@@ -119,7 +127,7 @@ def _courses(
         ]
     )
     limit = jnp.stack(
-        [jnp.full_like(on_switch, LANDING)] * ends + [on_switch] * (len(end) - ends)
+        [landing(problem.tolerance)] * ends + [on_switch] * (len(end) - ends)
     )
     return _Courses(start, start_rate, end, end_rate, share, counts, limit, ends)
 

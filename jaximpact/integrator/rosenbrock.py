@@ -147,6 +147,9 @@ class DenseOutput(diffrax.AbstractLocalInterpolation):
     t1: Float[Array, ""]
     y0: Float[Array, " n"]
     y1: Float[Array, " n"]
+    change: Float[Array, " n"]
+    """y1 less y0, without the rounding of either: the last step before an end may be so
+    short that a difference would leave few digits of the rates."""
     k: Float[Array, "3 n"]
     bend_at_end: Float[Array, " n"]
     """Sum of the three k: by itself it costs a third of what they do."""
@@ -165,13 +168,12 @@ class DenseOutput(diffrax.AbstractLocalInterpolation):
         width."""
         bend = self.k[0] + s * (self.k[1] + s * self.k[2])
         turn = self.k[1] + 2.0 * s * self.k[2]
-        change = self.y1 - self.y0 + (1.0 - 2.0 * s) * bend + s * (1.0 - s) * turn
-        return per_width(change, self.t1 - self.t0)
+        slope = self.change + (1.0 - 2.0 * s) * bend + s * (1.0 - s) * turn
+        return per_width(slope, self.t1 - self.t0)
 
     def rate_at_end(self) -> Float[Array, " n"]:
         """Compute the rate of change at t1; 0 for a step of no width."""
-        change = self.y1 - self.y0 - self.bend_at_end
-        return per_width(change, self.t1 - self.t0)
+        return per_width(self.change - self.bend_at_end, self.t1 - self.t0)
 
 
 def factorise(rows: list[dict[int, Array]]) -> tuple[list[dict[int, Array]], list]:
@@ -276,8 +278,13 @@ def rodas5p_step(f, y0: Array, step_size: Array, pattern):
 
     stages = jnp.zeros((len(COUPLING), *y0.shape), y0.dtype)
     stages = jax.lax.fori_loop(0, len(COUPLING), stage, stages)
-    y1 = y0 + jnp.tensordot(jnp.asarray(STAGE_MATRIX)[-1], stages, 1) + stages[-1]
-    return y1, stages[-1], stages
+    return y0 + change_over(stages), stages[-1], stages
+
+
+def change_over(stages: Array) -> Array:
+    """Compute the change of the state over a step, from the increments of its
+    stages."""
+    return jnp.tensordot(jnp.asarray(STAGE_MATRIX)[-1], stages, 1) + stages[-1]
 
 
 def dense_output(y0: Array, y1: Array, stages: Array) -> dict[str, Array]:
@@ -286,7 +293,7 @@ def dense_output(y0: Array, y1: Array, stages: Array) -> dict[str, Array]:
         jnp.tensordot(jnp.asarray(weights), stages, 1)
         for weights in (DENSE_WEIGHTS, DENSE_WEIGHTS.sum(axis=0))
     )
-    return dict(y0=y0, y1=y1, k=k, bend_at_end=bend_at_end)
+    return dict(y0=y0, y1=y1, change=change_over(stages), k=k, bend_at_end=bend_at_end)
 
 
 class Rodas5P(diffrax.AbstractAdaptiveSolver):
