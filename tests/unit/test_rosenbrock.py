@@ -48,12 +48,18 @@ def pendulum_at(time):
 
 def one_step(width, y0=START):
     """State, error estimate and dense output at mid-step, of one step."""
+    y1, error, dense = dense_step(width, y0)
+    return y1, error, dense.evaluate(0.5 * width)
+
+
+def dense_step(width, y0=START):
+    """State, error estimate and dense output of one step."""
     y0 = jnp.asarray(y0)
     y1, error, stages = rodas5p_step(pendulum, y0, width, FULL)
     dense = DenseOutput(
         t0=jnp.zeros_like(width), t1=width, **dense_output(y0, y1, stages)
     )
-    return y1, error, dense.evaluate(0.5 * width)
+    return y1, error, dense
 
 
 def observed_order(widths, errors):
@@ -100,6 +106,17 @@ OF_ORDER_FOUR = {
 def test_what_is_of_order_four(name):
     errors = local_errors(OF_ORDER_FOUR[name])
     assert observed_order(LOCAL_WIDTHS, errors) == pytest.approx(5.0, abs=0.25)
+
+
+@pytest.mark.parametrize("width", [1e-6, 1e-12, 1e-18])
+def test_rates_keep_their_digits_in_a_tiny_step(width):
+    _, _, dense = dense_step(jnp.asarray(width))
+    rates = jnp.stack(pendulum(jnp.asarray(START)))
+    # They change by the width over the step. Weights of up to 100, which cancel, leave
+    # a hundred roundings; a difference of states would leave no digit at 1e-18.
+    allowed = 2.0 * width + 1e-13
+    for found in (dense.rate(0.5), dense.rate_at_end()):
+        np.testing.assert_allclose(found, rates, rtol=0.0, atol=allowed)
 
 
 def test_error_estimate_exceeds_the_error_of_the_step():
