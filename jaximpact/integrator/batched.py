@@ -19,7 +19,7 @@ from ..impact.events import TIME_LIMIT, closing_velocity
 from ..impact.problem import Problem, pose
 from ..impact.results import History, history_at
 from .accumulators import LastStep, add_work, no_step, start_fold
-from .event_location import LandingState, landing
+from .event_location import LandingState, negligible_margin
 from .rosenbrock import ORDER, per_width
 from .single import TERMS, End, SolverState, advance, end_of, step_size_controller
 
@@ -121,7 +121,7 @@ def step_lanes(lanes: Lanes) -> Lanes:
         until=jnp.where(going, jnp.minimum(until, TIME_LIMIT), lanes.until),
         control=where(going, controller_state, lanes.control),
         event=lanes.event
-        | (going & (state.fold.margin <= landing(lanes.problem.tolerance))),
+        | (going & (state.fold.margin <= negligible_margin(lanes.problem.tolerance))),
         accepted=lanes.accepted + (going & keep),
         rejected=lanes.rejected + (going & ~keep),
     )

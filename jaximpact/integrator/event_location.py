@@ -4,10 +4,10 @@ laws.
 A step that runs past one of them is rejected and taken again, shorter, with the width
 at which the cubic through value and slope at both ends is zero, until a step lands
 there. So state and time are as accurate as the steps themselves, not as their
-interpolant, and no second copy of the step is compiled. Most of them are foreseen: the
-next step is made to end where the parabola of the last one is zero. With that, and with
-widths that shrink as the end of the contact comes near, an oblique impact takes a
-seventh fewer steps at `fast`, and half as many are rejected.
+interpolant, and no second copy of the step is compiled. Most ends and switches are
+foreseen: the next step is made to stop where the parabola of the last one is zero. With
+that, and with widths that shrink as the end of the contact comes near, an oblique
+impact takes a seventh fewer steps at `fast`, and half as many are rejected.
 """
 
 from typing import Any, NamedTuple
@@ -51,7 +51,7 @@ LARGEST_GROWTH = 1.3
 """Largest growth of a step at the onset on top of what its error allows."""
 
 
-def landing(tolerance: Scalar) -> Scalar:
+def negligible_margin(tolerance: Scalar) -> Scalar:
     """Compute the magnitude below which a margin counts as zero."""
     least, part, largest = LANDING
     return jnp.clip(part * tolerance, least, largest)
@@ -69,7 +69,7 @@ class Landing(NamedTuple):
     margin or the switching function to go on as a parabola [s]; infinite if none is
     coming."""
     left: Scalar
-    """The same if it is the end that comes, else infinite [s]."""
+    """Time left to the end by that parabola [s]; infinite if no end is coming."""
 
 
 class _Courses(NamedTuple):
@@ -127,7 +127,7 @@ def _courses(
         ]
     )
     limit = jnp.stack(
-        [landing(problem.tolerance)] * ends + [on_switch] * (len(end) - ends)
+        [negligible_margin(problem.tolerance)] * ends + [on_switch] * (len(end) - ends)
     )
     return _Courses(start, start_rate, end, end_rate, share, counts, limit, ends)
 

@@ -24,7 +24,7 @@ from ..laws import Branch
 from .accumulators import Fold, LastStep, fold_step, start_fold
 from .diffrax_solvers import solver_step
 from .error_control import ErrorControl
-from .event_location import LandingController, landing
+from .event_location import LandingController, negligible_margin
 from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
 
 LARGEST_CORRECTION = 1e-6
@@ -168,7 +168,9 @@ def diffrax_arguments(
         args=problem,
         stepsize_controller=step_size_controller(),
         event=diffrax.Event(
-            lambda t, y, args, **kwargs: y.fold.margin <= landing(args.tolerance)
+            lambda t, y, args, **kwargs: (
+                y.fold.margin <= negligible_margin(args.tolerance)
+            )
         ),
         adjoint=diffrax.ForwardMode(),
         max_steps=problem.max_steps,
@@ -229,7 +231,7 @@ def end_of(
         jnp.take_along_axis(values, least[None], axis=0)[0]
         for values in (margins, jnp.stack(state.fold.watched_rate.margins))
     )
-    falls = event & (slope * time < -landing(problem.tolerance))
+    falls = event & (slope * time < -negligible_margin(problem.tolerance))
     correction = jnp.where(falls, margin / jnp.where(falls, slope, 1.0), 0.0)
     is_leap = jnp.abs(correction) > LARGEST_CORRECTION * time
     correction = correction - jnp.where(is_leap, jax.lax.stop_gradient(correction), 0.0)
