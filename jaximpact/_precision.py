@@ -5,6 +5,7 @@ import math
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ._jax_internals import Tracer, setting
@@ -33,16 +34,30 @@ def float64_leaf(value: Number) -> Float[Array, "..."]:
     require_float64()
     if isinstance(value, Tracer):
         return value if value.dtype == jnp.float64 else value.astype(jnp.float64)
-    if type(value) is float:
+    if isinstance(value, float):
         # -0.0 equals 0.0
-        return _number(value, math.copysign(1.0, value))
+        return _number(float(value), math.copysign(1.0, value))
+    if isinstance(value, jax.Array) and _is_float64(value):
+        return value
     with jax.ensure_compile_time_eval(), own_transfers():
         return jnp.asarray(value, dtype=jnp.float64)
+
+
+def _is_float64(value: jax.Array) -> bool:
+    """Whether JAX would make nothing else of an array as a float64 array."""
+    return value.dtype == jnp.float64 and not value.weak_type
 
 
 @functools.lru_cache(maxsize=4096)
 def _number(value: float, sign: float) -> Float[Array, ""]:
-    """Turn a plain number into an array; making one takes 20 microseconds, and a scene
-    has thirty, most of them defaults."""
+    """Turn a plain number into an array. A scene has thirty, most of them defaults."""
     with jax.ensure_compile_time_eval(), own_transfers():
+        if math.isfinite(value):  # `jax_debug_nans` looks at what a program returns
+            return _as_it_is(np.float64(value))
         return jnp.asarray(value, dtype=jnp.float64)
+
+
+# A program hands a number over in a quarter of the time that `jnp.asarray` takes.
+@jax.jit
+def _as_it_is(value):
+    return value

@@ -16,7 +16,7 @@ from ._settings import own_transfers
 from ._tables import html_table
 from ._types import Scalar
 from .errors import InputError
-from .parameters import Composite, parameter, part
+from .parameters import Composite, parameter, part, with_fields
 from .shapes import AbstractShape, Ellipsoid, MixedShapes, SemiAxes
 from .units import DEGREE
 
@@ -305,10 +305,12 @@ def as_scene(
     if isinstance(scene, tuple | list):
         return as_scene(*scene)
     components = {"block": scene, "soil": soil, "impact": impact}
-    replaced = {name: value for name, value in components.items() if value is not None}
-    for name, value in replaced.items():
-        expect(name, value, KINDS[name])
-    return Scene(**replaced)
+    for name, value in components.items():
+        if value is None:
+            components[name] = KINDS[name]()
+        else:
+            expect(name, value, KINDS[name])
+    return with_fields(Scene, components)
 
 
 def shape_of(scene: Scene) -> tuple[int, ...]:

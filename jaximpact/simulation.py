@@ -14,6 +14,7 @@ from .backend import MACHINE_CODE, get_engine
 from .backend.derivative_rules import solve, solve_at, solve_recorded
 from .errors import InputError
 from .io.checks import check_scene, check_times, usual_values
+from .parameters import with_fields
 from .result import ImpactResult
 from .scene import Block, Impact, Scene, Soil, as_scene, shape_of, with_axes
 from .shapes import MixedShapes, shape_by_shape
@@ -95,8 +96,10 @@ def simulate(
         times, shape = check_times(save_at, shape_of(scene))
         of_result = with_axes(scene, len(shape)) if shape else of_result
     if ledger is None:
-        many = times.ndim > 1 or any(np.ndim(x) for x in values)
-        ledger = not many and not any(isinstance(x, Tracer) for x in (*values, times))
+        is_one = isinstance(values, np.ndarray) or not any(
+            np.ndim(x) or isinstance(x, Tracer) for x in values
+        )
+        ledger = is_one and times.ndim <= 1 and not isinstance(times, Tracer)
 
     def solved(structure, values, times):
         """Compute impacts of blocks of one shape, and their histories."""
@@ -121,10 +124,7 @@ def simulate(
         numbers, recorded = solved(structure, values, times)
     if history and not ledger:
         numbers = dataclasses.replace(numbers, energy=None)
-    return ImpactResult(
-        **vars(numbers),
-        scene=of_result,
-        accuracy=setting,
-        history=recorded,
-        engine=chosen.name,
+    computed_from = dict(scene=of_result, accuracy=setting, engine=chosen.name)
+    return with_fields(
+        ImpactResult, {**vars(numbers), **computed_from, "history": recorded}
     )

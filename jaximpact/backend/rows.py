@@ -92,10 +92,16 @@ def request(
     engine: Engine = NATIVE,
     sampled: bool = False,
 ) -> tuple[Request, list]:
-    """Describe scenes; and return the values of leaves that are arrays or traced."""
+    """Describe scenes; and return the values of leaves that are arrays or traced.
+
+    The leaves of a single impact, all known, may be one array.
+    """
     heed_edits(structure)
     places, rest = [], np.empty(len(leaves) + 2)
     rest[-2:] = accuracy.tolerance, accuracy.floor
+    if isinstance(leaves, np.ndarray):
+        rest[:-2] = leaves
+        return Request(structure, ledger, (), rest, engine, sampled), []
     for place, leaf in enumerate(leaves):
         if isinstance(leaf, Tracer) or np.ndim(leaf):
             places.append(place)

@@ -96,20 +96,28 @@ def usual_values(structure: Any, leaves: list) -> Any:
     does not trace are usual; None where `check_scene` has to look closer. Takes a tenth
     of its time."""
     limits = _limits(structure)
-    traced = [isinstance(leaf, Tracer) for leaf in leaves]
-    if limits is None or any(np.ndim(leaf) for leaf in leaves):
+    if limits is None:
         return None
     low, high = limits
-    # `float` of an array of JAX takes ten times as long.
-    known = [
-        low[place] if traced[place] else np.asarray(x) for place, x in enumerate(leaves)
-    ]
+    known, traced = [], []
+    for place, leaf in enumerate(leaves):
+        if getattr(leaf, "ndim", 0):
+            return None
+        if isinstance(leaf, Tracer):
+            traced.append(place)
+            known.append(low[place])
+        else:
+            # `float` of an array of JAX takes ten times as long.
+            known.append(np.asarray(leaf))
     values = np.array(known, float)
     if not np.all((low <= values) & (values <= high)):
         return None
-    if not any(traced):
+    if not traced:
         return values
-    return [x if traced[place] else values[place] for place, x in enumerate(leaves)]
+    kept = list(values)
+    for place in traced:
+        kept[place] = leaves[place]
+    return kept
 
 
 @functools.lru_cache(maxsize=256)
