@@ -202,8 +202,8 @@ class CentrePath:
         touched[:, 0] = True
         if not np.all(touched):
             order = np.argsort(~touched, axis=1, kind="stable")
-            there = np.take_along_axis(there, order, axis=1)
-            touched = np.take_along_axis(touched, order, axis=1)
+            rows = np.arange(len(order))[:, None]
+            there, touched = there[rows, order], touched[rows, order]
             keep = max(2, int(np.max(np.count_nonzero(touched, axis=1))))
             there, touched = there[:, :keep], touched[:, :keep]
         one, two = there[:, :-1], there[:, 1:]
@@ -259,18 +259,19 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     with what does not exist."""
     place = np.cumsum(1 + halved, axis=1) - 1
     count, width = halved.shape
-    blocks = np.broadcast_to(np.arange(count)[:, None], halved.shape)
-    columns = np.broadcast_to(np.arange(width), halved.shape)
-    source = np.full((len(halved), int(np.max(place)) + 1), -1)
-    source[blocks, place] = columns
-    source[blocks[halved], place[halved] - 1] = columns[halved]
+    rows = np.arange(count)[:, None]
+    source = np.full((count, int(np.max(place)) + 1), -1)
+    source[rows, place] = np.arange(width)
+    block, column = np.nonzero(halved)
+    behind = place[block, column]
+    source[block, behind - 1] = column
     first = np.zeros(source.shape, bool)
-    first[blocks[halved], place[halved] - 1] = True
+    first[block, behind - 1] = True
     second = np.zeros(source.shape, bool)
-    second[blocks[halved], place[halved]] = True
+    second[block, behind] = True
     filled = source < 0
-    source = np.where(filled, halved.shape[1] - 1, source)
-    parts = Ahead(*(np.take_along_axis(column, source, axis=1) for column in ahead))
+    source[filled] = width - 1
+    parts = Ahead(*(values[rows, source] for values in ahead))
     # Half-way the normal is the mean of those at the ends.
     n_x = parts.start_normal_x + parts.stop_normal_x
     n_y = parts.start_normal_y + parts.stop_normal_y

@@ -66,7 +66,7 @@ class LaneProgram:
             with tracing():
                 self._kernels[structure] = self._kernel(inputs)
         kernel = self._kernels[structure]
-        shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
+        shape = _shape_of(leaves)
         # So many lanes of many steps are worth a thread.
         rows = _run(kernel, leaves, shape, lanes_per_thread=512)
         return jax.tree.unflatten(kernel.structure, rows)
@@ -104,6 +104,14 @@ def _template(structure) -> Any:
     """Make a tree of a structure, which can be pickled as the structure itself
     cannot."""
     return jax.tree.unflatten(structure, range(structure.num_leaves))
+
+
+def _shape_of(leaves: list) -> tuple[int, ...]:
+    """Return the shape that leaves broadcast to, of one axis at least."""
+    shapes = set(map(np.shape, leaves)) - {(), (1,)}
+    if len(shapes) == 1:  # as it mostly is; NumPy takes its time
+        return shapes.pop()
+    return np.broadcast_shapes((1,), *shapes)
 
 
 def _run(kernel, leaves: list, shape: tuple[int, ...], lanes_per_thread: int) -> list:
@@ -182,11 +190,10 @@ class ClosedProgram:
             with tracing():
                 self._plans[structure] = self._planned(inputs)
         plan, kernel = self._plans[structure]
-        shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
-        computed = iter(())
+        shape, computed = _shape_of(leaves), iter(())
         if kernel is not None:
             used = [leaves[place] for place in plan.used]
-            needed = np.broadcast_shapes((1,), *map(np.shape, used))
+            needed = _shape_of(used)
             computed = iter(_run(kernel, used, needed, lanes_per_thread=16_384))
         results = [
             np.asarray(next(computed) if place is None else leaves[place], float)

@@ -38,6 +38,7 @@ class KernelSet:
         self.structure = kernels[0].structure
         self.result_rows, self.sampled_rows = first.result_rows, first.sampled_rows
         self.inputs = kernels[0].code.common_inputs
+        self._every_place = np.arange(self.inputs, dtype=float)
         self._settings = Operation()
         self._fill(self._settings)
         self._along: dict[int, KernelSet] = {directions: self}
@@ -144,12 +145,10 @@ class KernelSet:
     def _rows(self, own, threads: int, common, places) -> tuple[Rows, np.ndarray]:
         """Describe lanes to the driver; arrays live as long as the description."""
         own = np.ascontiguousarray(own, float)
-        if places is None:
-            places = range(self.inputs)
-        if own.shape[0] != len(places):
-            raise ValueError(f"got {own.shape[0]} rows of inputs, need {len(places)}")
+        at = self._every_place if places is None else np.array(places, float)
+        if own.shape[0] != len(at):
+            raise ValueError(f"got {own.shape[0]} rows of inputs, need {len(at)}")
         common = np.zeros(self.inputs) if common is None else np.array(common, float)
-        at = np.array(places, float)
         results = np.empty((self.result_rows, own.shape[1]))
         rows = Rows(
             operation=ctypes.addressof(self._settings),

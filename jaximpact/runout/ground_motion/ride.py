@@ -139,17 +139,17 @@ def ride(
     _cut(riders, ahead, motion, conditions, event, place)
 
     columns = np.arange(ahead.element.shape[1])
-    done = columns < (place + np.isin(event, ENDS_ON))[:, None]
+    done = columns < (place + ENDS_ON[event])[:, None]
     duration = np.where(done, conditions.passage.duration, 0.0)
-    time = np.cumsum(np.concatenate([begin.time[:, None], duration], axis=1), axis=1)
+    time = _sums(begin.time, duration)
     late = done & (time[:, 1:] > time_limit)
     is_late = np.any(late, axis=1)
     place = np.where(is_late, np.argmax(late, axis=1), place)
     event = np.where(is_late, Event.time_limit, event)
-    done &= columns < (place + np.isin(event, ENDS_ON))[:, None]
+    done &= columns < (place + ENDS_ON[event])[:, None]
     length = np.where(done, conditions.passage.length, 0.0)
     turn = np.where(riders.rolls[:, None], length / riders.radius[:, None], 0.0)
-    turned = np.cumsum(np.pad(turn, ((0, 0), (1, 0))), axis=1)
+    turned = _sums(0.0, turn)
     pieces = _pieces(riders, ahead, conditions, done, time, length, turned)
 
     rows, last = np.arange(len(place)), np.count_nonzero(done, axis=1)
@@ -157,7 +157,8 @@ def ride(
     moved, behind = last > 0, np.maximum(last - 1, 0)
     # One that looks on stands behind what it passed; columns there may be filling.
     passed_all = (event == Event.continues) & (place > 0)
-    onto_next = np.isin(event, [Event.strikes, Event.slow_corner]) | passed_all
+    at_corner = (event == Event.strikes) | (event == Event.slow_corner)
+    onto_next = at_corner | passed_all
     at = rows, np.where(passed_all, place - 1, here)
     end = Place(
         element=np.where(onto_next, ahead.next_element[at], ahead.element[at]),
@@ -207,7 +208,7 @@ def _motion(
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
     loss = loss_with_height(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
-    squared = np.cumsum(np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1)
+    squared = _sums(speed_squared, -loss)
     return MotionAhead(squared[:, :-1], squared[:, 1:], friction)
 
 
@@ -380,8 +381,19 @@ def _slowing(
     )
 
 
-ENDS_ON = (Event.strikes, Event.slow_corner, Event.flies, Event.slow, Event.time_limit)
-"""Events at the end of an element, not at its start."""
+ENDS_ON = np.isin(
+    np.arange(len(Event)),
+    [Event.strikes, Event.slow_corner, Event.flies, Event.slow, Event.time_limit],
+)
+"""Events at the end of an element, not at its start: True by their codes."""
+
+
+def _sums(first: np.ndarray | float, changes: np.ndarray) -> np.ndarray:
+    """Add up changes along rows, one after the other; what they start from comes
+    first."""
+    sums = np.empty((changes.shape[0], changes.shape[1] + 1))
+    sums[:, 0], sums[:, 1:] = first, changes
+    return np.cumsum(sums, axis=1)
 
 
 def _pieces(
@@ -415,7 +427,7 @@ def _pieces(
     def to_join(way: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         return 2.0 * (way - velocity * whole) / whole**2
 
-    ways = np.cumsum(np.pad(length, ((0, 0), (1, 0))), axis=1)
+    ways = _sums(0.0, length)
     way = ways[rider, two + 1] - ways[rider, one]
     rolls = riders.rolls[rider]
     turn = np.where(rolls, 1.0 / riders.radius[rider], 0.0)
@@ -464,5 +476,6 @@ def _last_of_pieces(begins: np.ndarray, passed: np.ndarray) -> np.ndarray:
     last = np.count_nonzero(passed, axis=1)[:, None] - 1
     next_begin = np.where(begins, columns, begins.shape[1])
     next_begin = np.minimum.accumulate(next_begin[:, ::-1], axis=1)[:, ::-1]
-    behind = np.pad(next_begin[:, 1:], ((0, 0), (0, 1)), constant_values=len(columns))
+    behind = np.full(begins.shape, len(columns))
+    behind[:, :-1] = next_begin[:, 1:]
     return np.minimum(behind - 1, last)
