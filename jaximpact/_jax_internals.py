@@ -11,7 +11,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.core import Tracer
+from jax.core import Tracer, eval_context
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 from jax.sharding import NamedSharding, PartitionSpec
 
@@ -23,6 +23,16 @@ _EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "Batch
 def setting(name: str):
     """Read a setting of `jax.config`, which type checkers do not see."""
     return getattr(jax.config, name)
+
+
+def computed_at_once():
+    """Have JAX compute with numbers that are known as it does where it neither traces
+    nor differentiates; a context.
+
+    Under `jax.ensure_compile_time_eval` it still looks for what to differentiate, which
+    takes several times as long.
+    """
+    return eval_context()
 
 
 def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:

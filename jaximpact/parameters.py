@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 else:
     Module = eqx.Module
 
-Made = TypeVar("Made", bound=eqx.Module)
+Made = TypeVar("Made", bound=Module | eqx.Module)
 
 EVERYWHERE = (-math.inf, math.inf)
 

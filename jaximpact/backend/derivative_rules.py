@@ -15,6 +15,7 @@ from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array
 
 from .._jax_internals import Tracer, is_inside_jit, namespace_of, primal_of
+from .._precision import handed_over
 from .._settings import own_transfers
 from ..accuracy import Accuracy
 from ..errors import InputError
@@ -169,10 +170,10 @@ def _known_rows(wanted: Request, values: list) -> list[Array]:
     }
     known = [np.asarray(primal_of(value)) for value in values]
     solution, columns = columns_of(wanted, known, None, list(varied), in_jax=False)
-    rows = np.stack(jax.tree.leaves(solution))
+    rows = np.array(jax.tree.leaves(solution))
     # One array, since JAX takes a while for each. What is transposed later is outside
     # of `own_transfers`.
-    numbers = jax.device_put(np.stack([rows, *(column for (column,) in columns)]))
+    numbers = handed_over(np.array([rows, *(column for (column,) in columns)]))
     return _rows_along(list(varied.values()), numbers)
 
 

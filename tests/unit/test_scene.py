@@ -1,23 +1,37 @@
 """A scene: one way in for all functions, its parts, and grounds that have names."""
 
 import ast
+import copy
 import inspect
 import math
 import pickle
+from dataclasses import FrozenInstanceError, fields, replace
+from fractions import Fraction
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import jax
 import numpy as np
 import pytest
 
 import jaximpact
-from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
+from jaximpact import (
+    Block,
+    Impact,
+    ImpactResult,
+    Scene,
+    Soil,
+    laws,
+    simulate,
+    simulate_batch,
+)
 from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.io.toml import read_scene, scene_from
-from jaximpact.parameters import declared_of, parts_of
+from jaximpact.parameters import declared_of, parameter, parts_of
 from jaximpact.quantities import INPUT_COLUMNS, columns_of, leaf_places
 from jaximpact.scene_quantities import scene_of_values, scene_values
+from jaximpact.shapes import RectangularPrism
 
 
 @pytest.mark.slow
@@ -100,6 +114,74 @@ def test_parts_are_pickled_and_compared():
     np.testing.assert_array_equal(again.gamma_v, soil.gamma_v)
 
 
+NUMBERS = [3, 3.0, np.float64(3), np.float32(3), np.array(3.0), Fraction(3)]
+
+
+@pytest.mark.parametrize("value", NUMBERS, ids=lambda x: type(x).__name__)
+def test_numbers_are_float64_arrays_that_are_known_wherever_they_are_made(value):
+    def check(number):
+        speed = Impact(speed=number).speed
+        assert isinstance(speed, jax.Array)
+        assert not isinstance(speed, jax.core.Tracer)
+        assert np.asarray(speed) == 3.0
+        assert (speed.dtype, speed.weak_type) == (np.float64, False)
+        return speed
+
+    speed = check(value)
+    assert check(speed) is speed
+    for of_jax in (jax.numpy.asarray(3.0), jax.numpy.float32(3.0)):
+        check(of_jax)
+    inside = {
+        jax.jit: lambda x: x * check(value),
+        jax.grad: lambda x: x * check(value),
+        jax.vmap: lambda x: x * check(value),
+    }
+    for transformed, function in inside.items():
+        argument = np.ones(2) if transformed is jax.vmap else 1.0
+        np.testing.assert_array_equal(transformed(function)(argument), 3.0)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -0.0])
+def test_what_is_no_usual_number_is_kept(value):
+    with jax.debug_nans(True), jax.debug_infs(True):
+        found = np.asarray(Impact(angular_velocity=value).angular_velocity)
+    np.testing.assert_array_equal(found, value)
+    assert np.signbit(found) == np.signbit(value)
+
+
+def test_a_parameter_by_its_name_is_that_of_a_part_made_anew():
+    soil = Soil(gamma_v=np.float64(5.0), c_v=[0.1, 0.2], k_E=900)
+    anew = Soil(
+        flow=laws.Perzyna(gamma_v=5.0),
+        hardening=laws.HardeningPerLength(c_v=[0.1, 0.2]),
+        elasticity=laws.DuncanChang(k_E=900.0),
+    )
+    assert jax.tree.structure(soil) == jax.tree.structure(anew)
+    for found, expected in zip(
+        jax.tree.leaves(soil), jax.tree.leaves(anew), strict=True
+    ):
+        np.testing.assert_array_equal(found, expected)
+    # The part that all soils share is not changed.
+    assert Soil().gamma_v == laws.Perzyna().gamma_v != 5.0
+
+
+def test_a_part_that_checks_its_parameters_checks_those_given_by_name_too():
+    with pytest.raises(InputError, match="corner_radius_ratio must be"):
+        Block(shape=RectangularPrism(), corner_radius_ratio=0.0)
+
+
+def test_results_are_pickled_copied_and_replaced():
+    """They are made without their constructor."""
+    result = simulate(Block(), Soil(), Impact(angle=0.3))
+    again = ImpactResult(**{f.name: getattr(result, f.name) for f in fields(result)})
+    for other in (again, pickle.loads(pickle.dumps(result)), copy.deepcopy(result)):
+        assert jax.tree.structure(other) == jax.tree.structure(result)
+        assert jax.tree.leaves(other) == jax.tree.leaves(result)
+    assert replace(result, e_n=0.5).e_n == 0.5
+    with pytest.raises(FrozenInstanceError):
+        result.e_n = 0.5
+
+
 # --- a scene from TOML; what is refused is in test_malformed_inputs.py
 
 
@@ -174,6 +256,12 @@ def parameters_of_parts(whole):
     }
 
 
+class Leaning(laws.Coulomb):
+    """A law with an angle."""
+
+    tilt: Any = parameter(0.0, "deg", "[0, 45]", "tilt of the ground")
+
+
 @pytest.mark.filterwarnings("always::jaximpact.errors.UnusualValueWarning")
 @pytest.mark.parametrize(
     ("make", "said"),
@@ -182,6 +270,7 @@ def parameters_of_parts(whole):
         (lambda: Impact(angle=-45.0), r"write math.radians\(45\)"),
         (lambda: Impact(slope=[0.1, 30]), "Impact.slope is in radians"),
         (lambda: Impact(orientation=np.float64(45)), "beyond 360 deg"),
+        (lambda: Soil(slider=Leaning(), tilt=30.0), r"write math.radians\(30\)"),
     ],
 )
 def test_degrees_in_place_of_radians_are_warned_of_where_they_are_given(make, said):
