@@ -44,7 +44,7 @@ def float64_leaf(value: Number) -> Float[Array, "..."]:
 
 
 def _is_float64(value: jax.Array) -> bool:
-    """Whether JAX would make nothing else of an array as a float64 array."""
+    """Whether an array is a float64 array already."""
     return value.dtype == jnp.float64 and not value.weak_type
 
 
@@ -56,8 +56,8 @@ def _number(value: float, sign: float) -> Float[Array, ""]:
 
 
 def handed_over(numbers: np.ndarray | np.float64) -> Float[Array, "..."]:
-    """Hand numbers over to JAX, where it traces or differentiates too: by a program, in
-    a quarter of the time that JAX takes for it elsewhere."""
+    """Hand numbers over to JAX, also where it traces or differentiates. A program does
+    it in a quarter of the time of `jax.device_put`."""
     with computed_at_once():
         if np.all(np.isfinite(numbers)):
             return _as_it_is(numbers)
@@ -66,4 +66,4 @@ def handed_over(numbers: np.ndarray | np.float64) -> Float[Array, "..."]:
 
 @jax.jit
 def _as_it_is(numbers):
-    return numbers
+    return jnp.asarray(numbers)  # also under `jax.disable_jit`

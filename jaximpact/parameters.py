@@ -322,6 +322,7 @@ def _names(kind: type) -> tuple[str, ...]:
 
 @functools.cache
 def _takes_fields_alone(kind: type[Part]) -> bool:
+    """Whether a part of a class is made by taking its fields, and nothing else."""
     return not any(base in _with_own_constructor for base in kind.__mro__)
 
 

@@ -149,6 +149,13 @@ def test_what_is_no_usual_number_is_kept(value):
     assert np.signbit(found) == np.signbit(value)
 
 
+def test_numbers_are_arrays_of_jax_where_it_compiles_nothing():
+    with jax.disable_jit():
+        speed = Impact(speed=3.14159).speed
+    assert isinstance(speed, jax.Array)
+    assert isinstance(Impact(speed=3.14159).speed, jax.Array)
+
+
 def test_a_parameter_by_its_name_is_that_of_a_part_made_anew():
     soil = Soil(gamma_v=np.float64(5.0), c_v=[0.1, 0.2], k_E=900)
     anew = Soil(
