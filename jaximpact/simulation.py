@@ -124,7 +124,7 @@ def simulate(
         numbers, recorded = solved(structure, values, times)
     if history and not ledger:
         numbers = dataclasses.replace(numbers, energy=None)
-    computed_from = dict(scene=of_result, accuracy=setting, engine=chosen.name)
-    return with_fields(
-        ImpactResult, {**vars(numbers), **computed_from, "history": recorded}
+    of_impact = dict(
+        scene=of_result, accuracy=setting, history=recorded, engine=chosen.name
     )
+    return with_fields(ImpactResult, vars(numbers) | of_impact)

@@ -131,14 +131,13 @@ def test_numbers_are_float64_arrays_that_are_known_wherever_they_are_made(value)
     assert check(speed) is speed
     for of_jax in (jax.numpy.asarray(3.0), jax.numpy.float32(3.0)):
         check(of_jax)
-    inside = {
-        jax.jit: lambda x: x * check(value),
-        jax.grad: lambda x: x * check(value),
-        jax.vmap: lambda x: x * check(value),
-    }
-    for transformed, function in inside.items():
-        argument = np.ones(2) if transformed is jax.vmap else 1.0
-        np.testing.assert_array_equal(transformed(function)(argument), 3.0)
+    for transform, argument in (
+        (jax.jit, 1.0),
+        (jax.grad, 1.0),
+        (jax.vmap, np.ones(2)),
+    ):
+        result = transform(lambda x: x * check(value))(argument)
+        np.testing.assert_array_equal(result, 3.0)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -0.0])
