@@ -28,6 +28,7 @@ from jaximpact.io.output_files import NewFile, output_directory
 from jaximpact.plotting.style import save_figure
 
 from .. import peers as peers_package
+from .code_for_avx2 import methods_for_avx2
 from .compile_time import COMPILE_TIME
 from .explicit_step import EXPLICIT_STEP
 from .in_jax import IN_JAX
@@ -97,9 +98,10 @@ def run_benchmark(
     settings = settings or Settings()
     say = say or (lambda text: None)
     sections = choose_sections(only)
-    methods = [Ours(), *find_peers(peers, say)]
+    ours, others = [Ours(), *methods_for_avx2()], find_peers(peers, say)
+    methods = [*ours, *others]
     directory = (
-        str((peers or Path(peers_package.__path__[0])).resolve()) if methods[1:] else ""
+        str((peers or Path(peers_package.__path__[0])).resolve()) if others else ""
     )
     bench = Bench(settings, methods, directory, progress or (lambda text: None))
     names = [f"{s.name}.{kind}" for s in sections for kind in ("csv", "png", "md")]

@@ -94,7 +94,7 @@ def measured_ways(methods: list[Method]) -> list[tuple[str, Method, float]]:
                 (f"{method.name}, {preset.name}", method, preset.tolerance)
                 for preset in PRESETS.values()
             ]
-        elif method.family != "explicit":
+        elif method.family not in ("explicit", Ours.family):
             tolerance = min(
                 method.tolerances, key=lambda t: abs(np.log(t / TOLERANCE_OF_PEERS))
             )

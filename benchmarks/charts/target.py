@@ -29,7 +29,7 @@ OUR_TOLERANCES = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
 def coarsest_within(bench: Bench, method: Method, scenes, exact) -> float | None:
     """The cheapest tolerance whose 95 % error is within the target; None if none is."""
     found = {}
-    ours = isinstance(method, Ours)
+    ours = method.family == Ours.family
     for tolerance in OUR_TOLERANCES if ours else method.tolerances:
         bench.say(f"{method.name} at {tolerance:g}")
         method.solve(choose(scenes, np.arange(2)), tolerance, batch=True)
@@ -52,7 +52,7 @@ def measure(bench: Bench) -> list[Row]:
     exact = exact_e_n(scenes)
     chosen = []
     for method in bench.methods:
-        if isinstance(method, Ours) or method.family == RIVAL:
+        if method.family in (Ours.family, RIVAL):
             tolerance = coarsest_within(bench, method, choose(scenes, few), exact[few])
             if tolerance is None:
                 bench.say(

@@ -11,7 +11,7 @@ from jaximpact.plotting.style import in_style, legend_outside, panels
 from jaximpact.scene import Scene
 
 from ..impacts import choose, mixed_scenes
-from .methods import Method
+from .methods import Method, Ours
 from .section import Bench, Row, Section, Table, interleaved_minima
 from .style import log_axes, method_handles, styles_of
 
@@ -27,9 +27,10 @@ def measure(bench: Bench) -> list[Row]:
     """Rows for each method and size, smaller sizes first."""
     settings = bench.settings
     largest = mixed_scenes(max(settings.batch_sizes), settings.seed)
-    own = bench.methods[0]
     lines: list[tuple[Method, str, float]] = [
         (own, f"{own.name}, {name}", PRESETS[name].tolerance)
+        for own in bench.methods
+        if own.family == Ours.family
         for name in ("fast", "balanced")
     ]
     for family in COMPARED:

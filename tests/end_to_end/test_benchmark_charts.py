@@ -14,16 +14,17 @@ from error_messages import assert_one_line_error
 from text_files import rows_of
 
 from benchmarks.__main__ import make_parser
-from benchmarks.charts import Settings, run, run_benchmark
+from benchmarks.charts import Settings, code_for_avx2, run, run_benchmark
 from benchmarks.charts.explicit_step import LIMIT, fastest_rates, steps_needed
-from benchmarks.charts.gradients import difference_gradient
-from benchmarks.charts.methods import Answer, count_of, find_peers
+from benchmarks.charts.gradients import difference_gradient, forward_gradient
+from benchmarks.charts.methods import Answer, Ours, count_of, find_peers
 from benchmarks.charts.section import Bench, error_figures, interleaved_minima
 from benchmarks.charts.stability import VERDICTS, believed, verdict
 from benchmarks.charts.target import coarsest_within
 from benchmarks.charts.work_precision import gradient_of
 from benchmarks.impacts import mixed_scenes
 from jaximpact import simulate_batch
+from jaximpact.backend.simd import LEVELS, host
 from jaximpact.cli import main
 
 pytestmark = pytest.mark.slow
@@ -83,6 +84,7 @@ def known(monkeypatch):
     """The method in place of this solver, and of what is exact."""
     method = Known()
     monkeypatch.setattr(run, "Ours", lambda: method)
+    monkeypatch.setattr(run, "methods_for_avx2", lambda: [])
     for module in ("work_precision", "target", "stability"):
         place = importlib.import_module(f"benchmarks.charts.{module}")
         monkeypatch.setattr(
@@ -181,6 +183,7 @@ def test_interrupted_benchmark_goes_on(known, tmp_path, peers, monkeypatch):
 
 def test_target_takes_the_coarsest_tolerance_that_is_within(known):
     class Halved(Known):
+        family = "a peer"
         tolerances = (2e-3, 5e-4, 1e-4)
 
     bench = Bench(TINY, [], "", lambda text: None)
@@ -266,6 +269,23 @@ def test_every_peer_answers(package):
     # In processes or threads of their own
     others = peer.solve(scenes, 1e-4, batch=True)
     np.testing.assert_allclose(others.e_n, answer.e_n, atol=1e-6)
+
+
+def level_of(scenes):
+    """The level of processors for which this process makes code."""
+    return host()[0]
+
+
+@pytest.mark.skipif(host()[0] not in LEVELS, reason="a processor without AVX2")
+def test_code_for_avx2_runs_in_its_own_process_and_gives_the_same_bits():
+    method, scenes = code_for_avx2.OursForAvx2(), mixed_scenes(9, seed=5)
+    assert code_for_avx2._in_process(level_of, scenes) == code_for_avx2.LEVEL
+    for batch in (True, False):
+        there = method.solve(scenes, 1e-3, batch)
+        np.testing.assert_array_equal(there.e_n, Ours().solve(scenes, 1e-3, batch).e_n)
+        assert there.seconds > 0.0
+        found, _ = method.gradient(scenes, batch, 1e-3)
+        np.testing.assert_array_equal(found, forward_gradient(scenes, batch, 1e-3)[0])
 
 
 def ends_its_process(p, start, tolerance, at):
