@@ -20,11 +20,13 @@ from paths import ROOT
 
 from benchmarks.impacts import mixed_scenes
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
+from jaximpact.accuracy import PRESETS
 from jaximpact.backend import native_backend as machine
-from jaximpact.backend import operation
+from jaximpact.backend import operation, rows
 from jaximpact.backend.threads import thread_count
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS, PLANAR, exact_models
+from jaximpact.impact.results import Solution
 from jaximpact.shapes import Ellipsoid
 
 pytestmark = pytest.mark.slow
@@ -360,6 +362,39 @@ def test_any_leaf_may_be_differentiated():
             assert found[place] * leaves[place] == pytest.approx(
                 expected, rel=1e-4, abs=5e-6
             ), by_path[place][0]
+
+
+@pytest.mark.parametrize("directions", [2, 3, 5, 8, 11])
+def test_derivatives_of_few_impacts_are_those_of_many(scenes, directions):
+    """To the last bit: the directions of one or two impacts are computed side by side,
+    those of many one after another. Vertical and planar impacts are among them, and
+    times before and after the end."""
+    leaves, structure = jax.tree.flatten(jax.tree.map(np.asarray, scenes))
+    times = np.array([1e-4, 0.02, 10.0])
+    varied = list(range(1, 1 + directions))
+
+    def computed(chosen):
+        wanted, values = rows.request(
+            structure,
+            [leaf[chosen] for leaf in leaves],
+            PRESETS["fast"],
+            False,
+            sampled=True,
+        )
+        return rows.columns_of(wanted, values, times, varied, in_jax=False)
+
+    (numbers, samples), columns = computed(slice(None))
+    for count in (1, 2, 3, 5):
+        own = slice(COUNT - count, COUNT)
+        few, by_leaf = computed(own)
+        jax.tree.map(
+            lambda x, y, own=own: np.testing.assert_array_equal(x, y[own]),
+            few,
+            Solution(numbers, samples),
+        )
+        for found, expected in zip(by_leaf, columns, strict=True):
+            for part, whole in zip(found, expected, strict=True):
+                np.testing.assert_array_equal(part, whole[:, own])
 
 
 def test_second_derivatives_are_refused_in_words():

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 
 #define PACK 8 /* lanes in a vector, as in llvm_ir.py */
+#define HALF (PACK / 2)
 #define AXES 24 /* told in a message too */
 #define PROGRAMS 32
 #define RETRIES 7
@@ -44,7 +45,8 @@ typedef struct {
 /* Lanes under way. */
 typedef struct {
     double *work;
-    int64_t lane[PACK]; /* names; -1 in an empty column */
+    int64_t lane[PACK];  /* names; -1 in an empty column */
+    int64_t first[PACK]; /* of the directions that a column is for */
     double tolerance[PACK];
     int64_t tries[PACK];
     int64_t sampled[PACK]; /* times that are done with */
@@ -79,7 +81,7 @@ typedef struct {
 
 typedef struct {
     double effort;
-    int64_t lane;
+    int64_t lane, first;
 } Turn;
 
 /* What is sampled of one lane at its start and at the end of every step. */
@@ -93,6 +95,7 @@ typedef struct {
     const Operation *operation;
     int64_t axes, dims[AXES], lanes;
     int64_t threads; /* at most so many */
+    int64_t each, shares; /* directions of a column, and columns that a lane has for all */
     int64_t own_inputs; /* of a lane */
     /* NULL for an effort that is the same for all, and where there is one program */
     const Operand *common, *places, *own, *effort, *program, *along, *times_asked;
@@ -117,6 +120,19 @@ static const double *value_of(const Job *job, const Operand *operand, int64_t la
     return data;
 }
 
+/* How many of so many rows are values; behind them stand as many for each direction. */
+static int64_t values_among(const Job *job, int64_t rows)
+{
+    return rows / (1 + job->operation->directions);
+}
+
+/* How many directions a column has that begins with this one. */
+static int64_t directions_from(const Job *job, int64_t first)
+{
+    int64_t left = job->operation->directions - first;
+    return left < job->each ? left : job->each;
+}
+
 /* Writes the inputs of the next lane into a column and names it; 0 if none waits. */
 static int take_lane(Job *job, int64_t place, Columns *columns, int column)
 {
@@ -125,7 +141,7 @@ static int take_lane(Job *job, int64_t place, Columns *columns, int column)
         return 0;
     const Operation *all = job->operation;
     const Program *program = &all->programs[place];
-    int64_t lane = job->turns[turn].lane;
+    int64_t lane = job->turns[turn].lane, first = job->turns[turn].first;
     for (int64_t row = 0; row < all->leaves; row++)
         columns->work[PACK * row + column] = job->common->data[row];
     for (int64_t k = 0; k < job->own_inputs; k++) {
@@ -134,26 +150,32 @@ static int take_lane(Job *job, int64_t place, Columns *columns, int column)
     }
     for (int64_t row = all->leaves; row < program->input_rows; row++)
         columns->work[PACK * row + column] = 0.0;
-    for (int64_t k = 0; k < all->directions; k++) {
-        int64_t along = (int64_t)job->along->data[k];
+    for (int64_t k = 0; k < directions_from(job, first); k++) {
+        int64_t along = (int64_t)job->along->data[first + k];
         int64_t own = (program->input_rows - all->leaves) / all->directions;
         columns->work[PACK * (all->leaves + k * own + along) + column] = 1.0;
     }
     columns->lane[column] = lane;
+    columns->first[column] = first;
     return 1;
 }
 
 static void give_lane(Job *job, const Program *program, Columns *columns, int column)
 {
     const double *results = columns->work + PACK * program->results_row + column;
-    for (int64_t row = 0; row < program->result_rows; row++)
-        job->results[row][columns->lane[column]] = results[PACK * row];
+    int64_t lane = columns->lane[column], first = columns->first[column];
+    int64_t parts = 1 + directions_from(job, first);
+    int64_t values = values_among(job, program->result_rows);
+    for (int64_t row = 0; row < values * parts; row++)
+        job->results[row < values ? row : row + values * first][lane] = results[PACK * row];
     if (job->course)
         return;
-    for (int64_t row = 0; row < program->sampled_rows; row++)
+    double **samples = job->results + program->result_rows;
+    values = values_among(job, program->sampled_rows);
+    for (int64_t row = 0; row < values * parts; row++)
         for (int64_t k = columns->sampled[column]; k < job->times; k++)
-            job->results[program->result_rows + row]
-                        [columns->lane[column] * job->times + k] = __builtin_nan("");
+            samples[row < values ? row : row + values * first][lane * job->times + k] =
+                __builtin_nan("");
 }
 
 /* Time asked for next by a lane; infinite if none is. */
@@ -186,8 +208,10 @@ static void give_sample(Job *job, const Program *program, Columns *columns, int 
         return;
     }
     int64_t place = columns->lane[column] * job->times + k;
-    for (int64_t row = 0; row < program->sampled_rows; row++)
-        job->results[program->result_rows + row][place] = sampled[PACK * row];
+    double **samples = job->results + program->result_rows;
+    int64_t first = columns->first[column], values = values_among(job, program->sampled_rows);
+    for (int64_t row = 0; row < values * (1 + directions_from(job, first)); row++)
+        samples[row < values ? row : row + values * first][place] = sampled[PACK * row];
 }
 
 /* Whether a lane that has ended is to begin again, with a finer tolerance. */
@@ -222,7 +246,7 @@ static void sample(const Program *program, Columns *columns, Job *job, Mask full
         }
         if (!due)
             return;
-        program->sample(columns->work, due, job->operation->directions);
+        program->sample(columns->work, due, job->each);
         for (int column = 0; column < PACK; column++)
             if (due >> column & 1) {
                 give_sample(job, program, columns, column);
@@ -235,7 +259,7 @@ static void sample(const Program *program, Columns *columns, Job *job, Mask full
 static void go_on(Job *job, int64_t place, Columns *columns)
 {
     const Program *program = &job->operation->programs[place];
-    int64_t directions = job->operation->directions;
+    int64_t directions = job->each;
     Mask again = 0;
     for (;;) {
         Mask full = 0, fresh = again;
@@ -321,7 +345,9 @@ static void arrange(Job *job)
             if (!job->program || (int64_t)*value_of(job, job->program, lane) == place) {
                 double effort = job->effort ? *value_of(job, job->effort, lane) : 0.0;
                 /* qsort needs an order, which NaN has not. */
-                job->turns[k++] = (Turn){effort == effort ? effort : 0.0, lane};
+                effort = effort == effort ? effort : 0.0;
+                for (int64_t share = 0; share < job->shares; share++)
+                    job->turns[k++] = (Turn){effort, lane, share * job->each};
             }
         if (job->effort && k - first > PACK)
             qsort(job->turns + first, k - first, sizeof(Turn), longer_first);
@@ -359,11 +385,31 @@ static void await_end(const Operation *all, uint64_t thread)
     all->close((void *)(uintptr_t)thread);
 }
 
-/* Computes all lanes of a job, whose turns and results have memory. */
+/* Gives the directions of few lanes to several columns, which are computed side by side;
+ * every one has the same values. */
+static void share_out(Job *job)
+{
+    int64_t directions = job->operation->directions, most = HALF / job->lanes;
+    job->each = directions;
+    job->shares = 1;
+    if (directions < 2 || most < 2)
+        return;
+    job->each = (directions + most - 1) / most;
+    job->shares = (directions + job->each - 1) / job->each;
+}
+
+/* Computes all lanes of a job, whose results have memory. */
 static void compute(Job *job)
 {
+    share_out(job);
+    int64_t count = job->lanes * job->shares;
+    job->turns = malloc(sizeof(Turn) * count);
+    if (!job->turns) {
+        job->out_of_memory = 1;
+        return;
+    }
     arrange(job);
-    int64_t threads = (job->lanes + PACK - 1) / PACK, started = 1;
+    int64_t threads = (count + PACK - 1) / PACK, started = 1;
     if (threads > job->threads)
         threads = job->threads;
     uint64_t *thread = NULL;
@@ -377,6 +423,7 @@ static void compute(Job *job)
     for (int64_t k = 1; k < started; k++)
         await_end(job->operation, thread[k]);
     free(thread);
+    free(job->turns);
 }
 
 /* ---- For Python: matrices with one column a lane. */
@@ -406,14 +453,13 @@ int64_t compute_rows(const Rows *rows)
     Operand along = {rows->along, {0}}, times = {rows->times_asked, {rows->times}};
     Operand *inputs = calloc(own + 1, sizeof(Operand));
     double **results = malloc(sizeof(double *) * (count + sampled));
-    Turn *turns = malloc(sizeof(Turn) * rows->lanes);
     Job job = {.operation = all, .axes = 1, .dims = {rows->lanes}, .lanes = rows->lanes,
                .threads = rows->threads, .own_inputs = own, .common = &common, .places = &places, .own = inputs,
                .effort = rows->effort ? &effort : NULL,
                .program = rows->program ? &program : NULL, .along = &along,
                .times_asked = &times, .results = results, .times = rows->times,
-               .course = rows->course, .turns = turns};
-    if (inputs && results && turns) {
+               .course = rows->course};
+    if (inputs && results) {
         for (int64_t k = 0; k < own; k++) {
             inputs[k].data = rows->own + k * rows->lanes;
             inputs[k].stride[0] = 1;
@@ -426,7 +472,6 @@ int64_t compute_rows(const Rows *rows)
     } else {
         job.out_of_memory = 1;
     }
-    free(turns);
     free(results);
     free(inputs);
     return job.out_of_memory;
@@ -530,16 +575,14 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
             return error(frame, INVALID_ARGUMENT,
                          "jaximpact: a result is not float64 of the shape of the lanes");
     double **outputs = malloc(sizeof(double *) * rows);
-    job->turns = malloc(sizeof(Turn) * job->lanes);
     job->results = outputs;
-    if (outputs && job->turns) {
+    if (outputs) {
         for (int64_t row = 0; row < rows; row++)
             outputs[row] = AT(double *, results[row], 24);
         compute(job);
     } else {
         job->out_of_memory = 1;
     }
-    free(job->turns);
     free(outputs);
     if (job->out_of_memory)
         return error(frame, RESOURCE_EXHAUSTED, "jaximpact: out of memory");

@@ -1,13 +1,13 @@
-; Made from driver.c by 'make driver'; sha256 bdb95b3b2b2b7e941399aeb0a1e2ff207832253dc3b4fb6f056f56dbf1b551d0
+; Made from driver.c by 'make driver'; sha256 85e522d71f6cc9448f429d3dfcd706e06f24fc86163c92d8ab123bccc1310dfb
 
 %struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
 %struct.Operand = type { ptr, [24 x i64] }
-%struct.Job = type { ptr, i64, [24 x i64], i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, i64, ptr, ptr, [32 x i64], [32 x i64], i32 }
+%struct.Job = type { ptr, i64, [24 x i64], i64, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, i64, ptr, ptr, [32 x i64], [32 x i64], i32 }
 %struct.Rows = type { ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr }
-%struct.Turn = type { double, i64 }
+%struct.Turn = type { double, i64, i64 }
 %struct.anon = type { i64, ptr, ptr, i32 }
-%struct.Columns = type { ptr, [8 x i64], [8 x double], [8 x i64], [8 x i64] }
+%struct.Columns = type { ptr, [8 x i64], [8 x i64], [8 x double], [8 x i64], [8 x i64] }
 %struct.Course = type { ptr, i64, i64, double }
 
 @operation = dso_local global %struct.Operation zeroinitializer, align 8
@@ -32,7 +32,7 @@ define dso_local i64 @compute_rows(ptr nocapture noundef readonly %0) local_unna
   %9 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 1
   %10 = load i64, ptr %9, align 8
   %11 = icmp eq i64 %10, 0
-  br i1 %11, label %123, label %12
+  br i1 %11, label %118, label %12
 
 12:
   %13 = load ptr, ptr %0, align 8
@@ -95,145 +95,138 @@ define dso_local i64 @compute_rows(ptr nocapture noundef readonly %0) local_unna
   %45 = add nsw i64 %25, %17
   %46 = shl i64 %45, 3
   %47 = tail call noalias ptr @malloc(i64 noundef %46)
-  %48 = shl i64 %10, 4
-  %49 = tail call noalias ptr @malloc(i64 noundef %48)
-  call void @llvm.lifetime.start.p0(i64 840, ptr nonnull %8)
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(840) %8, i8 0, i64 840, i1 false)
+  call void @llvm.lifetime.start.p0(i64 856, ptr nonnull %8)
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(856) %8, i8 0, i64 856, i1 false)
   store ptr %13, ptr %8, align 8
-  %50 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1
-  store i64 1, ptr %50, align 8
-  %51 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 2
-  store i64 %10, ptr %51, align 8
-  %52 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 3
-  store i64 %10, ptr %52, align 8
-  %53 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 4
-  %54 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 2
-  %55 = load i64, ptr %54, align 8
-  store i64 %55, ptr %53, align 8
-  %56 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 5
-  store i64 %15, ptr %56, align 8
-  %57 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 6
-  store ptr %2, ptr %57, align 8
-  %58 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 7
-  store ptr %3, ptr %58, align 8
-  %59 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 8
-  store ptr %44, ptr %59, align 8
-  %60 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 9
-  %61 = icmp eq ptr %31, null
-  %62 = select i1 %61, ptr null, ptr %4
-  store ptr %62, ptr %60, align 8
-  %63 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 10
-  %64 = icmp eq ptr %34, null
-  %65 = select i1 %64, ptr null, ptr %5
-  store ptr %65, ptr %63, align 8
-  %66 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 11
-  store ptr %6, ptr %66, align 8
-  %67 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 12
-  store ptr %7, ptr %67, align 8
-  %68 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 13
-  store ptr %47, ptr %68, align 8
-  %69 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 14
-  store i64 %42, ptr %69, align 8
-  %70 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 15
-  store ptr %19, ptr %70, align 8
-  %71 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 16
-  store ptr %49, ptr %71, align 8
-  %72 = icmp ne ptr %44, null
-  %73 = icmp ne ptr %47, null
-  %74 = and i1 %72, %73
-  %75 = icmp ne ptr %49, null
-  %76 = and i1 %74, %75
-  br i1 %76, label %77, label %117
+  %48 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1
+  store i64 1, ptr %48, align 8
+  %49 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 2
+  store i64 %10, ptr %49, align 8
+  %50 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 3
+  store i64 %10, ptr %50, align 8
+  %51 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 4
+  %52 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 2
+  %53 = load i64, ptr %52, align 8
+  store i64 %53, ptr %51, align 8
+  %54 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 7
+  store i64 %15, ptr %54, align 8
+  %55 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 8
+  store ptr %2, ptr %55, align 8
+  %56 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 9
+  store ptr %3, ptr %56, align 8
+  %57 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 10
+  store ptr %44, ptr %57, align 8
+  %58 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 11
+  %59 = icmp eq ptr %31, null
+  %60 = select i1 %59, ptr null, ptr %4
+  store ptr %60, ptr %58, align 8
+  %61 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 12
+  %62 = icmp eq ptr %34, null
+  %63 = select i1 %62, ptr null, ptr %5
+  store ptr %63, ptr %61, align 8
+  %64 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 13
+  store ptr %6, ptr %64, align 8
+  %65 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 14
+  store ptr %7, ptr %65, align 8
+  %66 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 15
+  store ptr %47, ptr %66, align 8
+  %67 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 16
+  store i64 %42, ptr %67, align 8
+  %68 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 17
+  store ptr %19, ptr %68, align 8
+  %69 = icmp ne ptr %44, null
+  %70 = icmp ne ptr %47, null
+  %71 = and i1 %69, %70
+  br i1 %71, label %72, label %112
+
+72:
+  %73 = icmp sgt i64 %15, 0
+  br i1 %73, label %74, label %77
+
+74:
+  %75 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 7
+  %76 = load ptr, ptr %75, align 8
+  br label %82
 
 77:
-  %78 = icmp sgt i64 %15, 0
-  br i1 %78, label %79, label %82
+  %78 = icmp sgt i64 %17, 0
+  br i1 %78, label %79, label %90
 
 79:
-  %80 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 7
+  %80 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 12
   %81 = load ptr, ptr %80, align 8
-  br label %87
+  br label %96
 
 82:
-  %83 = icmp sgt i64 %17, 0
-  br i1 %83, label %84, label %95
+  %83 = phi i64 [ 0, %74 ], [ %88, %82 ]
+  %84 = mul nsw i64 %83, %10
+  %85 = getelementptr inbounds double, ptr %76, i64 %84
+  %86 = getelementptr inbounds %struct.Operand, ptr %44, i64 %83
+  store ptr %85, ptr %86, align 8
+  %87 = getelementptr inbounds %struct.Operand, ptr %44, i64 %83, i32 1
+  store i64 1, ptr %87, align 8
+  %88 = add nuw nsw i64 %83, 1
+  %89 = icmp eq i64 %88, %15
+  br i1 %89, label %77, label %82
 
-84:
-  %85 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 12
-  %86 = load ptr, ptr %85, align 8
-  br label %101
+90:
+  %91 = icmp sgt i64 %25, 0
+  br i1 %91, label %92, label %103
 
-87:
-  %88 = phi i64 [ 0, %79 ], [ %93, %87 ]
-  %89 = mul nsw i64 %88, %10
-  %90 = getelementptr inbounds double, ptr %81, i64 %89
-  %91 = getelementptr inbounds %struct.Operand, ptr %44, i64 %88
-  store ptr %90, ptr %91, align 8
-  %92 = getelementptr inbounds %struct.Operand, ptr %44, i64 %88, i32 1
-  store i64 1, ptr %92, align 8
-  %93 = add nuw nsw i64 %88, 1
-  %94 = icmp eq i64 %93, %15
-  br i1 %94, label %82, label %87
+92:
+  %93 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 13
+  %94 = load ptr, ptr %93, align 8
+  %95 = mul i64 %42, %10
+  br label %104
 
-95:
-  %96 = icmp sgt i64 %25, 0
-  br i1 %96, label %97, label %108
+96:
+  %97 = phi i64 [ 0, %79 ], [ %101, %96 ]
+  %98 = mul nsw i64 %97, %10
+  %99 = getelementptr inbounds double, ptr %81, i64 %98
+  %100 = getelementptr inbounds ptr, ptr %47, i64 %97
+  store ptr %99, ptr %100, align 8
+  %101 = add nuw nsw i64 %97, 1
+  %102 = icmp eq i64 %101, %17
+  br i1 %102, label %90, label %96
 
-97:
-  %98 = getelementptr inbounds %struct.Rows, ptr %0, i64 0, i32 13
-  %99 = load ptr, ptr %98, align 8
-  %100 = mul i64 %42, %10
-  br label %109
-
-101:
-  %102 = phi i64 [ 0, %84 ], [ %106, %101 ]
-  %103 = mul nsw i64 %102, %10
-  %104 = getelementptr inbounds double, ptr %86, i64 %103
-  %105 = getelementptr inbounds ptr, ptr %47, i64 %102
-  store ptr %104, ptr %105, align 8
-  %106 = add nuw nsw i64 %102, 1
-  %107 = icmp eq i64 %106, %17
-  br i1 %107, label %95, label %101
-
-108:
+103:
   call fastcc void @compute(ptr noundef nonnull %8)
-  br label %119
+  br label %114
 
-109:
-  %110 = phi i64 [ 0, %97 ], [ %115, %109 ]
-  %111 = mul i64 %100, %110
-  %112 = getelementptr inbounds double, ptr %99, i64 %111
-  %113 = add nsw i64 %110, %17
-  %114 = getelementptr inbounds ptr, ptr %47, i64 %113
-  store ptr %112, ptr %114, align 8
-  %115 = add nuw nsw i64 %110, 1
-  %116 = icmp eq i64 %115, %25
-  br i1 %116, label %108, label %109
+104:
+  %105 = phi i64 [ 0, %92 ], [ %110, %104 ]
+  %106 = mul i64 %95, %105
+  %107 = getelementptr inbounds double, ptr %94, i64 %106
+  %108 = add nsw i64 %105, %17
+  %109 = getelementptr inbounds ptr, ptr %47, i64 %108
+  store ptr %107, ptr %109, align 8
+  %110 = add nuw nsw i64 %105, 1
+  %111 = icmp eq i64 %110, %25
+  br i1 %111, label %103, label %104
 
-117:
-  %118 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 19
-  store i32 1, ptr %118, align 8
-  br label %119
+112:
+  %113 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 21
+  store i32 1, ptr %113, align 8
+  br label %114
 
-119:
-  call void @free(ptr noundef %49)
+114:
   call void @free(ptr noundef %47)
   call void @free(ptr noundef %44)
-  %120 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 19
-  %121 = load i32, ptr %120, align 8
-  %122 = sext i32 %121 to i64
-  call void @llvm.lifetime.end.p0(i64 840, ptr nonnull %8)
+  %115 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 21
+  %116 = load i32, ptr %115, align 8
+  %117 = sext i32 %116 to i64
+  call void @llvm.lifetime.end.p0(i64 856, ptr nonnull %8)
   call void @llvm.lifetime.end.p0(i64 200, ptr nonnull %7)
   call void @llvm.lifetime.end.p0(i64 200, ptr nonnull %6)
   call void @llvm.lifetime.end.p0(i64 200, ptr nonnull %5)
   call void @llvm.lifetime.end.p0(i64 200, ptr nonnull %4)
   call void @llvm.lifetime.end.p0(i64 200, ptr nonnull %3)
   call void @llvm.lifetime.end.p0(i64 200, ptr nonnull %2)
-  br label %123
+  br label %118
 
-123:
-  %124 = phi i64 [ %122, %119 ], [ 0, %1 ]
-  ret i64 %124
+118:
+  %119 = phi i64 [ %117, %114 ], [ 0, %1 ]
+  ret i64 %119
 }
 
 declare void @llvm.lifetime.start.p0(i64 immarg, ptr nocapture)
@@ -248,259 +241,314 @@ declare void @llvm.lifetime.end.p0(i64 immarg, ptr nocapture)
 
 define internal fastcc void @compute(ptr noundef %0) unnamed_addr {
   %2 = load ptr, ptr %0, align 8
-  %3 = load i64, ptr %2, align 8
-  %4 = icmp sgt i64 %3, 0
-  br i1 %4, label %5, label %112
+  %3 = getelementptr inbounds %struct.Operation, ptr %2, i64 0, i32 3
+  %4 = load i64, ptr %3, align 8
+  %5 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 3
+  %6 = load i64, ptr %5, align 8
+  %7 = sdiv i64 4, %6
+  %8 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 5
+  store i64 %4, ptr %8, align 8
+  %9 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 6
+  store i64 1, ptr %9, align 8
+  %10 = icmp slt i64 %4, 2
+  %11 = icmp slt i64 %7, 2
+  %12 = select i1 %10, i1 true, i1 %11
+  br i1 %12, label %19, label %13
 
-5:
-  %6 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 3
-  %7 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 10
-  %8 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 1
-  %9 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 9
-  %10 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 16
-  br label %11
+13:
+  %14 = add i64 %4, -1
+  %15 = add i64 %7, %14
+  %16 = sdiv i64 %15, %7
+  store i64 %16, ptr %8, align 8
+  %17 = add i64 %16, %14
+  %18 = sdiv i64 %17, %16
+  store i64 %18, ptr %9, align 8
+  br label %19
 
-11:
-  %12 = phi i64 [ 0, %5 ], [ %17, %105 ]
-  %13 = phi i64 [ 0, %5 ], [ %108, %105 ]
-  %14 = load i64, ptr %6, align 8
-  %15 = icmp sgt i64 %14, 0
-  br i1 %15, label %20, label %16
+19:
+  %20 = load i64, ptr %9, align 8
+  %21 = mul nsw i64 %20, %6
+  %22 = mul i64 %21, 24
+  %23 = tail call noalias ptr @malloc(i64 noundef %22)
+  %24 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18
+  store ptr %23, ptr %24, align 8
+  %25 = icmp eq ptr %23, null
+  br i1 %25, label %26, label %28
 
-16:
-  %17 = phi i64 [ %12, %11 ], [ %95, %94 ]
-  %18 = load ptr, ptr %9, align 8
-  %19 = icmp eq ptr %18, null
-  br i1 %19, label %105, label %99
+26:
+  %27 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
+  store i32 1, ptr %27, align 8
+  br label %212
 
-20:
-  %21 = phi i64 [ %96, %94 ], [ 0, %11 ]
-  %22 = phi i64 [ %95, %94 ], [ %12, %11 ]
-  %23 = load ptr, ptr %7, align 8
-  %24 = icmp eq ptr %23, null
-  br i1 %24, label %55, label %25
+28:
+  %29 = load i64, ptr %2, align 8
+  %30 = icmp sgt i64 %29, 0
+  br i1 %30, label %31, label %147
 
-25:
-  %26 = load i64, ptr %8, align 8
-  %27 = icmp eq i64 %26, 1
-  %28 = load ptr, ptr %23, align 8
-  br i1 %27, label %29, label %34
+31:
+  %32 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 12
+  %33 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 1
+  %34 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 11
+  br label %35
 
-29:
-  %30 = getelementptr inbounds %struct.Operand, ptr %23, i64 0, i32 1
-  %31 = load i64, ptr %30, align 8
-  %32 = mul nsw i64 %31, %21
-  %33 = getelementptr inbounds double, ptr %28, i64 %32
-  br label %50
+35:
+  %36 = phi i64 [ 0, %31 ], [ %41, %140 ]
+  %37 = phi i64 [ 0, %31 ], [ %143, %140 ]
+  %38 = load i64, ptr %5, align 8
+  %39 = icmp sgt i64 %38, 0
+  br i1 %39, label %44, label %40
 
-34:
-  %35 = icmp sgt i64 %26, 0
-  br i1 %35, label %36, label %50
+40:
+  %41 = phi i64 [ %36, %35 ], [ %130, %129 ]
+  %42 = load ptr, ptr %34, align 8
+  %43 = icmp eq ptr %42, null
+  br i1 %43, label %140, label %134
 
-36:
-  %37 = phi i64 [ %40, %36 ], [ %26, %34 ]
-  %38 = phi ptr [ %47, %36 ], [ %28, %34 ]
-  %39 = phi i64 [ %48, %36 ], [ %21, %34 ]
-  %40 = add nsw i64 %37, -1
-  %41 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %40
-  %42 = load i64, ptr %41, align 8
-  %43 = srem i64 %39, %42
-  %44 = getelementptr inbounds %struct.Operand, ptr %23, i64 0, i32 1, i64 %40
-  %45 = load i64, ptr %44, align 8
-  %46 = mul nsw i64 %45, %43
-  %47 = getelementptr inbounds double, ptr %38, i64 %46
-  %48 = sdiv i64 %39, %42
-  %49 = icmp sgt i64 %37, 1
-  br i1 %49, label %36, label %50
+44:
+  %45 = phi i64 [ %131, %129 ], [ 0, %35 ]
+  %46 = phi i64 [ %130, %129 ], [ %36, %35 ]
+  %47 = load ptr, ptr %32, align 8
+  %48 = icmp eq ptr %47, null
+  br i1 %48, label %79, label %49
 
-50:
-  %51 = phi ptr [ %33, %29 ], [ %28, %34 ], [ %47, %36 ]
-  %52 = load double, ptr %51, align 8
-  %53 = fptosi double %52 to i64
-  %54 = icmp eq i64 %13, %53
-  br i1 %54, label %55, label %94
+49:
+  %50 = load i64, ptr %33, align 8
+  %51 = icmp eq i64 %50, 1
+  %52 = load ptr, ptr %47, align 8
+  br i1 %51, label %53, label %58
 
-55:
-  %56 = load ptr, ptr %9, align 8
-  %57 = icmp eq ptr %56, null
-  br i1 %57, label %86, label %58
+53:
+  %54 = getelementptr inbounds %struct.Operand, ptr %47, i64 0, i32 1
+  %55 = load i64, ptr %54, align 8
+  %56 = mul nsw i64 %55, %45
+  %57 = getelementptr inbounds double, ptr %52, i64 %56
+  br label %74
 
 58:
-  %59 = load i64, ptr %8, align 8
-  %60 = icmp eq i64 %59, 1
-  %61 = load ptr, ptr %56, align 8
-  br i1 %60, label %62, label %67
+  %59 = icmp sgt i64 %50, 0
+  br i1 %59, label %60, label %74
 
-62:
-  %63 = getelementptr inbounds %struct.Operand, ptr %56, i64 0, i32 1
-  %64 = load i64, ptr %63, align 8
-  %65 = mul nsw i64 %64, %21
-  %66 = getelementptr inbounds double, ptr %61, i64 %65
-  br label %83
+60:
+  %61 = phi i64 [ %64, %60 ], [ %50, %58 ]
+  %62 = phi ptr [ %71, %60 ], [ %52, %58 ]
+  %63 = phi i64 [ %72, %60 ], [ %45, %58 ]
+  %64 = add nsw i64 %61, -1
+  %65 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %64
+  %66 = load i64, ptr %65, align 8
+  %67 = srem i64 %63, %66
+  %68 = getelementptr inbounds %struct.Operand, ptr %47, i64 0, i32 1, i64 %64
+  %69 = load i64, ptr %68, align 8
+  %70 = mul nsw i64 %69, %67
+  %71 = getelementptr inbounds double, ptr %62, i64 %70
+  %72 = sdiv i64 %63, %66
+  %73 = icmp sgt i64 %61, 1
+  br i1 %73, label %60, label %74
 
-67:
-  %68 = icmp sgt i64 %59, 0
-  br i1 %68, label %69, label %83
+74:
+  %75 = phi ptr [ %57, %53 ], [ %52, %58 ], [ %71, %60 ]
+  %76 = load double, ptr %75, align 8
+  %77 = fptosi double %76 to i64
+  %78 = icmp eq i64 %37, %77
+  br i1 %78, label %79, label %129
 
-69:
-  %70 = phi i64 [ %73, %69 ], [ %59, %67 ]
-  %71 = phi ptr [ %80, %69 ], [ %61, %67 ]
-  %72 = phi i64 [ %81, %69 ], [ %21, %67 ]
-  %73 = add nsw i64 %70, -1
-  %74 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %73
-  %75 = load i64, ptr %74, align 8
-  %76 = srem i64 %72, %75
-  %77 = getelementptr inbounds %struct.Operand, ptr %56, i64 0, i32 1, i64 %73
-  %78 = load i64, ptr %77, align 8
-  %79 = mul nsw i64 %78, %76
-  %80 = getelementptr inbounds double, ptr %71, i64 %79
-  %81 = sdiv i64 %72, %75
-  %82 = icmp sgt i64 %70, 1
-  br i1 %82, label %69, label %83
+79:
+  %80 = load ptr, ptr %34, align 8
+  %81 = icmp eq ptr %80, null
+  br i1 %81, label %110, label %82
 
-83:
-  %84 = phi ptr [ %66, %62 ], [ %61, %67 ], [ %80, %69 ]
-  %85 = load double, ptr %84, align 8
-  br label %86
+82:
+  %83 = load i64, ptr %33, align 8
+  %84 = icmp eq i64 %83, 1
+  %85 = load ptr, ptr %80, align 8
+  br i1 %84, label %86, label %91
 
 86:
-  %87 = phi double [ %85, %83 ], [ 0.000000e+00, %55 ]
-  %88 = load ptr, ptr %10, align 8
-  %89 = add nsw i64 %22, 1
-  %90 = getelementptr inbounds %struct.Turn, ptr %88, i64 %22
-  %91 = fcmp ord double %87, 0.000000e+00
-  %92 = select i1 %91, double %87, double 0.000000e+00
-  store double %92, ptr %90, align 8
-  %93 = getelementptr inbounds i8, ptr %90, i64 8
-  store i64 %21, ptr %93, align 8
-  br label %94
+  %87 = getelementptr inbounds %struct.Operand, ptr %80, i64 0, i32 1
+  %88 = load i64, ptr %87, align 8
+  %89 = mul nsw i64 %88, %45
+  %90 = getelementptr inbounds double, ptr %85, i64 %89
+  br label %107
 
-94:
-  %95 = phi i64 [ %89, %86 ], [ %22, %50 ]
-  %96 = add nuw nsw i64 %21, 1
-  %97 = load i64, ptr %6, align 8
-  %98 = icmp slt i64 %96, %97
-  br i1 %98, label %20, label %16
+91:
+  %92 = icmp sgt i64 %83, 0
+  br i1 %92, label %93, label %107
 
-99:
-  %100 = sub nsw i64 %17, %12
-  %101 = icmp sgt i64 %100, 8
-  br i1 %101, label %102, label %105
+93:
+  %94 = phi i64 [ %97, %93 ], [ %83, %91 ]
+  %95 = phi ptr [ %104, %93 ], [ %85, %91 ]
+  %96 = phi i64 [ %105, %93 ], [ %45, %91 ]
+  %97 = add nsw i64 %94, -1
+  %98 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %97
+  %99 = load i64, ptr %98, align 8
+  %100 = srem i64 %96, %99
+  %101 = getelementptr inbounds %struct.Operand, ptr %80, i64 0, i32 1, i64 %97
+  %102 = load i64, ptr %101, align 8
+  %103 = mul nsw i64 %102, %100
+  %104 = getelementptr inbounds double, ptr %95, i64 %103
+  %105 = sdiv i64 %96, %99
+  %106 = icmp sgt i64 %94, 1
+  br i1 %106, label %93, label %107
 
-102:
-  %103 = load ptr, ptr %10, align 8
-  %104 = getelementptr inbounds %struct.Turn, ptr %103, i64 %12
-  tail call void @qsort(ptr noundef %104, i64 noundef %100, i64 noundef 16, ptr noundef nonnull @longer_first)
-  br label %105
+107:
+  %108 = phi ptr [ %90, %86 ], [ %85, %91 ], [ %104, %93 ]
+  %109 = load double, ptr %108, align 8
+  br label %110
 
-105:
-  %106 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17, i64 %13
-  store i64 %12, ptr %106, align 8
-  %107 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18, i64 %13
-  store i64 %17, ptr %107, align 8
-  %108 = add nuw nsw i64 %13, 1
-  %109 = load ptr, ptr %0, align 8
-  %110 = load i64, ptr %109, align 8
-  %111 = icmp slt i64 %108, %110
-  br i1 %111, label %11, label %112
+110:
+  %111 = phi double [ %109, %107 ], [ 0.000000e+00, %79 ]
+  %112 = fcmp ord double %111, 0.000000e+00
+  %113 = select i1 %112, double %111, double 0.000000e+00
+  %114 = load i64, ptr %9, align 8
+  %115 = icmp sgt i64 %114, 0
+  br i1 %115, label %116, label %129
 
-112:
-  %113 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 3
-  %114 = load i64, ptr %113, align 8
-  %115 = add nsw i64 %114, 7
-  %116 = sdiv i64 %115, 8
-  %117 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 4
-  %118 = load i64, ptr %117, align 8
-  %119 = tail call i64 @llvm.smin.i64(i64 %116, i64 %118)
-  %120 = icmp sgt i64 %119, 1
-  br i1 %120, label %121, label %124
-
-121:
-  %122 = shl i64 %119, 3
-  %123 = tail call noalias ptr @malloc(i64 noundef %122)
-  br label %124
-
-124:
-  %125 = phi ptr [ %123, %121 ], [ null, %112 ]
-  %126 = icmp ne ptr %125, null
-  %127 = icmp sgt i64 %119, 1
-  %128 = select i1 %126, i1 %127, i1 false
-  br i1 %128, label %129, label %152
+116:
+  %117 = phi i64 [ %126, %116 ], [ 0, %110 ]
+  %118 = phi i64 [ %120, %116 ], [ %46, %110 ]
+  %119 = load ptr, ptr %24, align 8
+  %120 = add nsw i64 %118, 1
+  %121 = getelementptr inbounds %struct.Turn, ptr %119, i64 %118
+  %122 = load i64, ptr %8, align 8
+  %123 = mul nsw i64 %122, %117
+  store double %113, ptr %121, align 8
+  %124 = getelementptr inbounds i8, ptr %121, i64 8
+  store i64 %45, ptr %124, align 8
+  %125 = getelementptr inbounds i8, ptr %121, i64 16
+  store i64 %123, ptr %125, align 8
+  %126 = add nuw nsw i64 %117, 1
+  %127 = load i64, ptr %9, align 8
+  %128 = icmp slt i64 %126, %127
+  br i1 %128, label %116, label %129
 
 129:
-  %130 = phi i64 [ %150, %149 ], [ 1, %124 ]
-  %131 = getelementptr inbounds i64, ptr %125, i64 %130
-  %132 = load ptr, ptr %0, align 8
-  %133 = getelementptr inbounds %struct.Operation, ptr %132, i64 0, i32 6
-  %134 = load ptr, ptr %133, align 8
-  %135 = icmp eq ptr %134, null
-  br i1 %135, label %139, label %136
+  %130 = phi i64 [ %46, %74 ], [ %46, %110 ], [ %120, %116 ]
+  %131 = add nuw nsw i64 %45, 1
+  %132 = load i64, ptr %5, align 8
+  %133 = icmp slt i64 %131, %132
+  br i1 %133, label %44, label %40
 
-136:
-  %137 = tail call i32 %134(ptr noundef nonnull %131, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %0)
-  %138 = icmp eq i32 %137, 0
-  br label %147
+134:
+  %135 = sub nsw i64 %41, %36
+  %136 = icmp sgt i64 %135, 8
+  br i1 %136, label %137, label %140
 
-139:
-  %140 = getelementptr inbounds %struct.Operation, ptr %132, i64 0, i32 8
-  %141 = load ptr, ptr %140, align 8
-  %142 = icmp eq ptr %141, null
-  br i1 %142, label %152, label %143
+137:
+  %138 = load ptr, ptr %24, align 8
+  %139 = getelementptr inbounds %struct.Turn, ptr %138, i64 %36
+  tail call void @qsort(ptr noundef %139, i64 noundef %135, i64 noundef 24, ptr noundef nonnull @longer_first)
+  br label %140
 
-143:
-  %144 = tail call ptr %141(ptr noundef null, i64 noundef 0, ptr noundef nonnull @work_on_windows, ptr noundef nonnull %0, i32 noundef 0, ptr noundef null)
-  %145 = ptrtoint ptr %144 to i64
-  store i64 %145, ptr %131, align 8
-  %146 = icmp ne ptr %144, null
-  br label %147
+140:
+  %141 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 19, i64 %37
+  store i64 %36, ptr %141, align 8
+  %142 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 20, i64 %37
+  store i64 %41, ptr %142, align 8
+  %143 = add nuw nsw i64 %37, 1
+  %144 = load ptr, ptr %0, align 8
+  %145 = load i64, ptr %144, align 8
+  %146 = icmp slt i64 %143, %145
+  br i1 %146, label %35, label %147
 
 147:
-  %148 = phi i1 [ %138, %136 ], [ %146, %143 ]
-  br i1 %148, label %149, label %152
+  %148 = add nsw i64 %21, 7
+  %149 = sdiv i64 %148, 8
+  %150 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 4
+  %151 = load i64, ptr %150, align 8
+  %152 = tail call i64 @llvm.smin.i64(i64 %149, i64 %151)
+  %153 = icmp sgt i64 %152, 1
+  br i1 %153, label %154, label %157
 
-149:
-  %150 = add nuw nsw i64 %130, 1
-  %151 = icmp eq i64 %150, %119
-  br i1 %151, label %152, label %129
-
-152:
-  %153 = phi i64 [ 1, %124 ], [ %130, %139 ], [ %130, %147 ], [ %150, %149 ]
-  %154 = tail call ptr @work(ptr noundef nonnull %0)
-  %155 = icmp ugt i64 %153, 1
-  br i1 %155, label %157, label %156
-
-156:
-  tail call void @free(ptr noundef %125)
-  ret void
+154:
+  %155 = shl i64 %152, 3
+  %156 = tail call noalias ptr @malloc(i64 noundef %155)
+  br label %157
 
 157:
-  %158 = phi i64 [ %176, %175 ], [ 1, %152 ]
-  %159 = load ptr, ptr %0, align 8
-  %160 = getelementptr inbounds i64, ptr %125, i64 %158
-  %161 = load i64, ptr %160, align 8
-  %162 = getelementptr inbounds %struct.Operation, ptr %159, i64 0, i32 7
-  %163 = load ptr, ptr %162, align 8
-  %164 = icmp eq ptr %163, null
-  br i1 %164, label %167, label %165
+  %158 = phi ptr [ %156, %154 ], [ null, %147 ]
+  %159 = icmp ne ptr %158, null
+  %160 = icmp sgt i64 %152, 1
+  %161 = select i1 %159, i1 %160, i1 false
+  br i1 %161, label %162, label %185
 
-165:
-  %166 = tail call i32 %163(i64 noundef %161, ptr noundef null)
-  br label %175
+162:
+  %163 = phi i64 [ %183, %182 ], [ 1, %157 ]
+  %164 = getelementptr inbounds i64, ptr %158, i64 %163
+  %165 = load ptr, ptr %0, align 8
+  %166 = getelementptr inbounds %struct.Operation, ptr %165, i64 0, i32 6
+  %167 = load ptr, ptr %166, align 8
+  %168 = icmp eq ptr %167, null
+  br i1 %168, label %172, label %169
 
-167:
-  %168 = getelementptr inbounds %struct.Operation, ptr %159, i64 0, i32 9
-  %169 = load ptr, ptr %168, align 8
-  %170 = inttoptr i64 %161 to ptr
-  %171 = tail call i32 %169(ptr noundef %170, i32 noundef -1)
-  %172 = getelementptr inbounds %struct.Operation, ptr %159, i64 0, i32 10
-  %173 = load ptr, ptr %172, align 8
-  %174 = tail call i32 %173(ptr noundef %170)
-  br label %175
+169:
+  %170 = tail call i32 %167(ptr noundef nonnull %164, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %0)
+  %171 = icmp eq i32 %170, 0
+  br label %180
 
-175:
-  %176 = add nuw nsw i64 %158, 1
-  %177 = icmp eq i64 %176, %153
-  br i1 %177, label %156, label %157
+172:
+  %173 = getelementptr inbounds %struct.Operation, ptr %165, i64 0, i32 8
+  %174 = load ptr, ptr %173, align 8
+  %175 = icmp eq ptr %174, null
+  br i1 %175, label %185, label %176
+
+176:
+  %177 = tail call ptr %174(ptr noundef null, i64 noundef 0, ptr noundef nonnull @work_on_windows, ptr noundef nonnull %0, i32 noundef 0, ptr noundef null)
+  %178 = ptrtoint ptr %177 to i64
+  store i64 %178, ptr %164, align 8
+  %179 = icmp ne ptr %177, null
+  br label %180
+
+180:
+  %181 = phi i1 [ %171, %169 ], [ %179, %176 ]
+  br i1 %181, label %182, label %185
+
+182:
+  %183 = add nuw nsw i64 %163, 1
+  %184 = icmp eq i64 %183, %152
+  br i1 %184, label %185, label %162
+
+185:
+  %186 = phi i64 [ 1, %157 ], [ %163, %172 ], [ %163, %180 ], [ %183, %182 ]
+  %187 = tail call ptr @work(ptr noundef nonnull %0)
+  %188 = icmp ugt i64 %186, 1
+  br i1 %188, label %191, label %189
+
+189:
+  tail call void @free(ptr noundef %158)
+  %190 = load ptr, ptr %24, align 8
+  tail call void @free(ptr noundef %190)
+  br label %212
+
+191:
+  %192 = phi i64 [ %210, %209 ], [ 1, %185 ]
+  %193 = load ptr, ptr %0, align 8
+  %194 = getelementptr inbounds i64, ptr %158, i64 %192
+  %195 = load i64, ptr %194, align 8
+  %196 = getelementptr inbounds %struct.Operation, ptr %193, i64 0, i32 7
+  %197 = load ptr, ptr %196, align 8
+  %198 = icmp eq ptr %197, null
+  br i1 %198, label %201, label %199
+
+199:
+  %200 = tail call i32 %197(i64 noundef %195, ptr noundef null)
+  br label %209
+
+201:
+  %202 = getelementptr inbounds %struct.Operation, ptr %193, i64 0, i32 9
+  %203 = load ptr, ptr %202, align 8
+  %204 = inttoptr i64 %195 to ptr
+  %205 = tail call i32 %203(ptr noundef %204, i32 noundef -1)
+  %206 = getelementptr inbounds %struct.Operation, ptr %193, i64 0, i32 10
+  %207 = load ptr, ptr %206, align 8
+  %208 = tail call i32 %207(ptr noundef %204)
+  br label %209
+
+209:
+  %210 = add nuw nsw i64 %192, 1
+  %211 = icmp eq i64 %210, %186
+  br i1 %211, label %189, label %191
+
+212:
+  ret void
 }
 
 declare void @free(ptr allocptr nocapture noundef) local_unnamed_addr
@@ -533,7 +581,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   store i32 0, ptr %21, align 4
   %22 = getelementptr inbounds i8, ptr %20, i64 28
   store i32 1, ptr %22, align 4
-  br label %333
+  br label %326
 
 23:
   %24 = getelementptr inbounds i8, ptr %0, i64 56
@@ -563,7 +611,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %41 = load ptr, ptr %40, align 8
   %42 = call ptr %41(ptr noundef nonnull %9)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %9)
-  br label %333
+  br label %326
 
 43:
   %44 = mul i64 %25, 200
@@ -586,16 +634,16 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %54 = load ptr, ptr %53, align 8
   %55 = call ptr %54(ptr noundef nonnull %8)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %8)
-  br label %333
+  br label %326
 
 56:
-  call void @llvm.lifetime.start.p0(i64 840, ptr nonnull %10)
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(840) %10, i8 0, i64 840, i1 false)
+  call void @llvm.lifetime.start.p0(i64 856, ptr nonnull %10)
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(856) %10, i8 0, i64 856, i1 false)
   store ptr @operation, ptr %10, align 8
   %57 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 4
   %58 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
   store i64 %58, ptr %57, align 8
-  %59 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 5
+  %59 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 7
   store i64 %32, ptr %59, align 8
   %60 = getelementptr inbounds i8, ptr %0, i64 72
   %61 = load ptr, ptr %60, align 8
@@ -624,7 +672,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %77 = load ptr, ptr %76, align 8
   %78 = call ptr %77(ptr noundef nonnull %7)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %7)
-  br label %331
+  br label %324
 
 79:
   %80 = icmp sgt i64 %25, 0
@@ -784,7 +832,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
 179:
   %180 = phi i1 [ %80, %79 ], [ %100, %175 ], [ %97, %95 ]
   %181 = phi ptr [ undef, %79 ], [ %178, %95 ], [ %178, %175 ]
-  br i1 %180, label %331, label %182
+  br i1 %180, label %324, label %182
 
 182:
   %183 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
@@ -801,7 +849,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %192 = load i64, ptr %191, align 8
   %193 = getelementptr inbounds i64, ptr %190, i64 %192
   %194 = load i64, ptr %193, align 8
-  %195 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 14
+  %195 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 16
   store i64 %194, ptr %195, align 8
   br label %196
 
@@ -832,30 +880,30 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %213 = load ptr, ptr %212, align 8
   %214 = call ptr %213(ptr noundef nonnull %4)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %4)
-  br label %331
+  br label %324
 
 215:
-  %216 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 6
+  %216 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 8
   store ptr %45, ptr %216, align 8
   %217 = getelementptr inbounds %struct.Operand, ptr %45, i64 1
-  %218 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 7
+  %218 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 9
   store ptr %217, ptr %218, align 8
   %219 = getelementptr inbounds %struct.Operand, ptr %45, i64 2
-  %220 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 8
+  %220 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 10
   store ptr %219, ptr %220, align 8
   %221 = load i64, ptr %59, align 8
   %222 = getelementptr inbounds %struct.Operand, ptr %219, i64 %221
-  %223 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 9
+  %223 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 11
   store ptr %222, ptr %223, align 8
   %224 = getelementptr inbounds %struct.Operand, ptr %222, i64 1
-  %225 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 10
+  %225 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 12
   store ptr %224, ptr %225, align 8
   %226 = getelementptr inbounds %struct.Operand, ptr %224, i64 1
-  %227 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 11
+  %227 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 13
   store ptr %226, ptr %227, align 8
   %228 = getelementptr inbounds %struct.Operand, ptr %45, i64 %25
   %229 = getelementptr inbounds %struct.Operand, ptr %228, i64 -1
-  %230 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 12
+  %230 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 14
   store ptr %229, ptr %230, align 8
   %231 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 3
   store i64 1, ptr %231, align 8
@@ -865,14 +913,14 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
 233:
   %234 = load i64, ptr %231, align 8
   %235 = icmp eq i64 %234, 0
-  br i1 %235, label %331, label %236
+  br i1 %235, label %324, label %236
 
 236:
   %237 = icmp sgt i64 %68, 0
   br i1 %237, label %238, label %290
 
 238:
-  %239 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 14
+  %239 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 16
   %240 = load i64, ptr %239, align 8
   br label %253
 
@@ -947,82 +995,73 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
 290:
   %291 = phi i1 [ %254, %281 ], [ %237, %236 ], [ %251, %249 ]
   %292 = phi ptr [ %289, %281 ], [ %181, %236 ], [ %181, %249 ]
-  br i1 %291, label %331, label %293
+  br i1 %291, label %324, label %293
 
 293:
   %294 = shl i64 %68, 3
   %295 = call noalias ptr @malloc(i64 noundef %294)
-  %296 = load i64, ptr %231, align 8
-  %297 = shl i64 %296, 4
-  %298 = call noalias ptr @malloc(i64 noundef %297)
-  %299 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 16
-  store ptr %298, ptr %299, align 8
-  %300 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 13
-  store ptr %295, ptr %300, align 8
-  %301 = icmp eq ptr %295, null
-  %302 = icmp eq ptr %298, null
-  %303 = or i1 %301, %302
-  br i1 %303, label %315, label %304
+  %296 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 15
+  store ptr %295, ptr %296, align 8
+  %297 = icmp eq ptr %295, null
+  br i1 %297, label %309, label %298
 
-304:
-  br i1 %237, label %306, label %305
+298:
+  br i1 %237, label %300, label %299
 
-305:
+299:
   call fastcc void @compute(ptr noundef nonnull %10)
-  br label %317
+  br label %311
 
-306:
-  %307 = phi i64 [ %313, %306 ], [ 0, %304 ]
-  %308 = getelementptr inbounds ptr, ptr %63, i64 %307
-  %309 = load ptr, ptr %308, align 8
-  %310 = getelementptr inbounds i8, ptr %309, i64 24
-  %311 = load ptr, ptr %310, align 8
-  %312 = getelementptr inbounds ptr, ptr %295, i64 %307
-  store ptr %311, ptr %312, align 8
-  %313 = add nuw nsw i64 %307, 1
-  %314 = icmp eq i64 %313, %68
-  br i1 %314, label %305, label %306
+300:
+  %301 = phi i64 [ %307, %300 ], [ 0, %298 ]
+  %302 = getelementptr inbounds ptr, ptr %63, i64 %301
+  %303 = load ptr, ptr %302, align 8
+  %304 = getelementptr inbounds i8, ptr %303, i64 24
+  %305 = load ptr, ptr %304, align 8
+  %306 = getelementptr inbounds ptr, ptr %295, i64 %301
+  store ptr %305, ptr %306, align 8
+  %307 = add nuw nsw i64 %301, 1
+  %308 = icmp eq i64 %307, %68
+  br i1 %308, label %299, label %300
+
+309:
+  %310 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 21
+  store i32 1, ptr %310, align 8
+  br label %311
+
+311:
+  call void @free(ptr noundef %295)
+  %312 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 21
+  %313 = load i32, ptr %312, align 8
+  %314 = icmp eq i32 %313, 0
+  br i1 %314, label %324, label %315
 
 315:
-  %316 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 19
-  store i32 1, ptr %316, align 8
-  br label %317
-
-317:
-  %318 = load ptr, ptr %299, align 8
-  call void @free(ptr noundef %318)
-  call void @free(ptr noundef %295)
-  %319 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 19
-  %320 = load i32, ptr %319, align 8
-  %321 = icmp eq i32 %320, 0
-  br i1 %321, label %331, label %322
-
-322:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %2)
   store i64 32, ptr %2, align 8
-  %323 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
-  store ptr null, ptr %323, align 8
-  %324 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
-  store ptr @.str.1, ptr %324, align 8
-  %325 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
-  store i32 8, ptr %325, align 8
-  %326 = getelementptr inbounds i8, ptr %0, i64 16
-  %327 = load ptr, ptr %326, align 8
-  %328 = getelementptr inbounds i8, ptr %327, i64 48
-  %329 = load ptr, ptr %328, align 8
-  %330 = call ptr %329(ptr noundef nonnull %2)
+  %316 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
+  store ptr null, ptr %316, align 8
+  %317 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
+  store ptr @.str.1, ptr %317, align 8
+  %318 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
+  store i32 8, ptr %318, align 8
+  %319 = getelementptr inbounds i8, ptr %0, i64 16
+  %320 = load ptr, ptr %319, align 8
+  %321 = getelementptr inbounds i8, ptr %320, i64 48
+  %322 = load ptr, ptr %321, align 8
+  %323 = call ptr %322(ptr noundef nonnull %2)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %2)
-  br label %331
+  br label %324
 
-331:
-  %332 = phi ptr [ %78, %70 ], [ %214, %206 ], [ %181, %179 ], [ null, %233 ], [ %292, %290 ], [ %330, %322 ], [ null, %317 ]
+324:
+  %325 = phi ptr [ %78, %70 ], [ %214, %206 ], [ %181, %179 ], [ null, %233 ], [ %292, %290 ], [ %323, %315 ], [ null, %311 ]
   call void @free(ptr noundef %45)
-  call void @llvm.lifetime.end.p0(i64 840, ptr nonnull %10)
-  br label %333
+  call void @llvm.lifetime.end.p0(i64 856, ptr nonnull %10)
+  br label %326
 
-333:
-  %334 = phi ptr [ null, %18 ], [ %42, %34 ], [ %332, %331 ], [ %55, %47 ]
-  ret ptr %334
+326:
+  %327 = phi ptr [ null, %18 ], [ %42, %34 ], [ %325, %324 ], [ %55, %47 ]
+  ret ptr %327
 }
 
 define internal ptr @work(ptr nocapture noundef %0) {
@@ -1054,13 +1093,13 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br i1 %20, label %6, label %13
 
 21:
-  %22 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 19
+  %22 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
   store i32 1, ptr %22, align 8
-  br label %506
+  br label %564
 
 23:
   %24 = tail call i64 @enter_float_mode()
-  call void @llvm.lifetime.start.p0(i64 264, ptr nonnull %2)
+  call void @llvm.lifetime.start.p0(i64 328, ptr nonnull %2)
   %25 = ptrtoint ptr %11 to i64
   %26 = add i64 %25, 63
   %27 = and i64 %26, -64
@@ -1070,656 +1109,719 @@ define internal ptr @work(ptr nocapture noundef %0) {
   call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(64) %29, i8 -1, i64 64, i1 false)
   %30 = load i64, ptr %3, align 8
   %31 = icmp sgt i64 %30, 0
-  br i1 %31, label %32, label %44
+  br i1 %31, label %32, label %45
 
 32:
-  %33 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 16
-  %34 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 6
-  %35 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 5
+  %33 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 5
+  %34 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18
+  %35 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 8
   %36 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 7
-  %37 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 8
-  %38 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 1
-  %39 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 11
-  %40 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 15
-  %41 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 14
-  %42 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 12
-  %43 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 13
-  br label %45
-
-44:
-  tail call void @leave_float_mode(i64 noundef %24)
-  tail call void @free(ptr noundef %11)
-  call void @llvm.lifetime.end.p0(i64 264, ptr nonnull %2)
-  br label %506
+  %37 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 9
+  %38 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 10
+  %39 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 1
+  %40 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 13
+  %41 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17
+  %42 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 16
+  %43 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 14
+  %44 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 15
+  br label %46
 
 45:
-  %46 = phi i64 [ 0, %32 ], [ %503, %502 ]
-  %47 = load ptr, ptr %0, align 8
-  %48 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46
-  %49 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 3
-  %50 = load i64, ptr %49, align 8
-  %51 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17, i64 %46
-  %52 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18, i64 %46
-  %53 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 8
-  %54 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 1
-  %55 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 3
-  %56 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 11
-  %57 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 12
-  %58 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 13
-  %59 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 14
-  %60 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 7
-  %61 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 2
-  %62 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 6
-  %63 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 9
-  %64 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 15
-  %65 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 10
-  %66 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 16
+  tail call void @leave_float_mode(i64 noundef %24)
+  tail call void @free(ptr noundef %11)
+  call void @llvm.lifetime.end.p0(i64 328, ptr nonnull %2)
+  br label %564
+
+46:
+  %47 = phi i64 [ 0, %32 ], [ %561, %560 ]
+  %48 = load ptr, ptr %0, align 8
+  %49 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47
+  %50 = load i64, ptr %33, align 8
+  %51 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 19, i64 %47
+  %52 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 20, i64 %47
+  %53 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 8
+  %54 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 1
+  %55 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 3
+  %56 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 11
+  %57 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 12
+  %58 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 13
+  %59 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 14
+  %60 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 7
+  %61 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 2
+  %62 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 6
+  %63 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 9
+  %64 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 15
+  %65 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 10
+  %66 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 16
   br label %67
 
 67:
-  %68 = phi i8 [ 0, %45 ], [ %501, %500 ]
+  %68 = phi i8 [ 0, %46 ], [ %559, %558 ]
   br label %71
 
 69:
-  %70 = icmp eq i8 %202, 0
-  br i1 %70, label %215, label %212
+  %70 = icmp eq i8 %217, 0
+  br i1 %70, label %230, label %227
 
 71:
-  %72 = phi i64 [ 0, %67 ], [ %210, %201 ]
-  %73 = phi i8 [ %68, %67 ], [ %202, %201 ]
-  %74 = phi i8 [ 0, %67 ], [ %209, %201 ]
+  %72 = phi i64 [ 0, %67 ], [ %225, %216 ]
+  %73 = phi i8 [ %68, %67 ], [ %217, %216 ]
+  %74 = phi i8 [ 0, %67 ], [ %224, %216 ]
   %75 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %72
   %76 = load i64, ptr %75, align 8
   %77 = icmp slt i64 %76, 0
-  br i1 %77, label %78, label %201
+  br i1 %77, label %78, label %216
 
 78:
   %79 = atomicrmw add ptr %51, i64 1 monotonic, align 8
   %80 = load i64, ptr %52, align 8
   %81 = icmp slt i64 %79, %80
-  br i1 %81, label %82, label %201
+  br i1 %81, label %82, label %216
 
 82:
   %83 = load ptr, ptr %0, align 8
-  %84 = load ptr, ptr %33, align 8
+  %84 = load ptr, ptr %34, align 8
   %85 = getelementptr inbounds %struct.Turn, ptr %84, i64 %79, i32 1
   %86 = load i64, ptr %85, align 8
-  %87 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 2
+  %87 = getelementptr inbounds %struct.Turn, ptr %84, i64 %79, i32 2
   %88 = load i64, ptr %87, align 8
-  %89 = icmp sgt i64 %88, 0
-  br i1 %89, label %93, label %90
+  %89 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 2
+  %90 = load i64, ptr %89, align 8
+  %91 = icmp sgt i64 %90, 0
+  br i1 %91, label %95, label %92
 
-90:
-  %91 = load i64, ptr %35, align 8
-  %92 = icmp sgt i64 %91, 0
-  br i1 %92, label %110, label %105
+92:
+  %93 = load i64, ptr %36, align 8
+  %94 = icmp sgt i64 %93, 0
+  br i1 %94, label %112, label %107
 
-93:
-  %94 = phi i64 [ %102, %93 ], [ 0, %82 ]
-  %95 = load ptr, ptr %34, align 8
-  %96 = load ptr, ptr %95, align 8
-  %97 = getelementptr inbounds double, ptr %96, i64 %94
-  %98 = load double, ptr %97, align 8
-  %99 = shl nsw i64 %94, 3
-  %100 = add nuw nsw i64 %99, %72
-  %101 = getelementptr inbounds double, ptr %28, i64 %100
-  store double %98, ptr %101, align 8
-  %102 = add nuw nsw i64 %94, 1
-  %103 = load i64, ptr %87, align 8
-  %104 = icmp slt i64 %102, %103
-  br i1 %104, label %93, label %90
+95:
+  %96 = phi i64 [ %104, %95 ], [ 0, %82 ]
+  %97 = load ptr, ptr %35, align 8
+  %98 = load ptr, ptr %97, align 8
+  %99 = getelementptr inbounds double, ptr %98, i64 %96
+  %100 = load double, ptr %99, align 8
+  %101 = shl nsw i64 %96, 3
+  %102 = add nuw nsw i64 %101, %72
+  %103 = getelementptr inbounds double, ptr %28, i64 %102
+  store double %100, ptr %103, align 8
+  %104 = add nuw nsw i64 %96, 1
+  %105 = load i64, ptr %89, align 8
+  %106 = icmp slt i64 %104, %105
+  br i1 %106, label %95, label %92
 
-105:
-  %106 = load i64, ptr %87, align 8
-  %107 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 1, i64 %46, i32 5
-  %108 = load i64, ptr %107, align 8
-  %109 = icmp slt i64 %106, %108
-  br i1 %109, label %156, label %152
+107:
+  %108 = load i64, ptr %89, align 8
+  %109 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 1, i64 %47, i32 5
+  %110 = load i64, ptr %109, align 8
+  %111 = icmp slt i64 %108, %110
+  br i1 %111, label %164, label %154
 
-110:
-  %111 = phi i64 [ %149, %143 ], [ 0, %90 ]
-  %112 = load ptr, ptr %36, align 8
-  %113 = load ptr, ptr %112, align 8
-  %114 = getelementptr inbounds double, ptr %113, i64 %111
-  %115 = load double, ptr %114, align 8
-  %116 = fptosi double %115 to i64
-  %117 = load ptr, ptr %37, align 8
-  %118 = getelementptr inbounds %struct.Operand, ptr %117, i64 %111
-  %119 = load i64, ptr %38, align 8
-  %120 = icmp eq i64 %119, 1
-  %121 = load ptr, ptr %118, align 8
-  br i1 %120, label %122, label %127
+112:
+  %113 = phi i64 [ %151, %145 ], [ 0, %92 ]
+  %114 = load ptr, ptr %37, align 8
+  %115 = load ptr, ptr %114, align 8
+  %116 = getelementptr inbounds double, ptr %115, i64 %113
+  %117 = load double, ptr %116, align 8
+  %118 = fptosi double %117 to i64
+  %119 = load ptr, ptr %38, align 8
+  %120 = getelementptr inbounds %struct.Operand, ptr %119, i64 %113
+  %121 = load i64, ptr %39, align 8
+  %122 = icmp eq i64 %121, 1
+  %123 = load ptr, ptr %120, align 8
+  br i1 %122, label %124, label %129
 
-122:
-  %123 = getelementptr inbounds %struct.Operand, ptr %117, i64 %111, i32 1
-  %124 = load i64, ptr %123, align 8
-  %125 = mul nsw i64 %124, %86
-  %126 = getelementptr inbounds double, ptr %121, i64 %125
-  br label %143
-
-127:
-  %128 = icmp sgt i64 %119, 0
-  br i1 %128, label %129, label %143
+124:
+  %125 = getelementptr inbounds %struct.Operand, ptr %119, i64 %113, i32 1
+  %126 = load i64, ptr %125, align 8
+  %127 = mul nsw i64 %126, %86
+  %128 = getelementptr inbounds double, ptr %123, i64 %127
+  br label %145
 
 129:
-  %130 = phi i64 [ %133, %129 ], [ %119, %127 ]
-  %131 = phi ptr [ %140, %129 ], [ %121, %127 ]
-  %132 = phi i64 [ %141, %129 ], [ %86, %127 ]
-  %133 = add nsw i64 %130, -1
-  %134 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %133
-  %135 = load i64, ptr %134, align 8
-  %136 = srem i64 %132, %135
-  %137 = getelementptr inbounds %struct.Operand, ptr %117, i64 %111, i32 1, i64 %133
-  %138 = load i64, ptr %137, align 8
-  %139 = mul nsw i64 %138, %136
-  %140 = getelementptr inbounds double, ptr %131, i64 %139
-  %141 = sdiv i64 %132, %135
-  %142 = icmp sgt i64 %130, 1
-  br i1 %142, label %129, label %143
+  %130 = icmp sgt i64 %121, 0
+  br i1 %130, label %131, label %145
 
-143:
-  %144 = phi ptr [ %126, %122 ], [ %121, %127 ], [ %140, %129 ]
-  %145 = load double, ptr %144, align 8
-  %146 = shl nsw i64 %116, 3
-  %147 = add nsw i64 %146, %72
-  %148 = getelementptr inbounds double, ptr %28, i64 %147
-  store double %145, ptr %148, align 8
-  %149 = add nuw nsw i64 %111, 1
-  %150 = load i64, ptr %35, align 8
-  %151 = icmp slt i64 %149, %150
-  br i1 %151, label %110, label %105
+131:
+  %132 = phi i64 [ %135, %131 ], [ %121, %129 ]
+  %133 = phi ptr [ %142, %131 ], [ %123, %129 ]
+  %134 = phi i64 [ %143, %131 ], [ %86, %129 ]
+  %135 = add nsw i64 %132, -1
+  %136 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %135
+  %137 = load i64, ptr %136, align 8
+  %138 = srem i64 %134, %137
+  %139 = getelementptr inbounds %struct.Operand, ptr %119, i64 %113, i32 1, i64 %135
+  %140 = load i64, ptr %139, align 8
+  %141 = mul nsw i64 %140, %138
+  %142 = getelementptr inbounds double, ptr %133, i64 %141
+  %143 = sdiv i64 %134, %137
+  %144 = icmp sgt i64 %132, 1
+  br i1 %144, label %131, label %145
 
-152:
-  %153 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 3
-  %154 = load i64, ptr %153, align 8
-  %155 = icmp sgt i64 %154, 0
-  br i1 %155, label %169, label %164
+145:
+  %146 = phi ptr [ %128, %124 ], [ %123, %129 ], [ %142, %131 ]
+  %147 = load double, ptr %146, align 8
+  %148 = shl nsw i64 %118, 3
+  %149 = add nsw i64 %148, %72
+  %150 = getelementptr inbounds double, ptr %28, i64 %149
+  store double %147, ptr %150, align 8
+  %151 = add nuw nsw i64 %113, 1
+  %152 = load i64, ptr %36, align 8
+  %153 = icmp slt i64 %151, %152
+  br i1 %153, label %112, label %107
 
-156:
-  %157 = phi i64 [ %161, %156 ], [ %106, %105 ]
-  %158 = shl nsw i64 %157, 3
-  %159 = add nsw i64 %158, %72
-  %160 = getelementptr inbounds double, ptr %28, i64 %159
-  store double 0.000000e+00, ptr %160, align 8
-  %161 = add nsw i64 %157, 1
-  %162 = load i64, ptr %107, align 8
-  %163 = icmp slt i64 %161, %162
-  br i1 %163, label %156, label %152
+154:
+  %155 = load ptr, ptr %0, align 8
+  %156 = getelementptr inbounds %struct.Operation, ptr %155, i64 0, i32 3
+  %157 = load i64, ptr %156, align 8
+  %158 = sub nsw i64 %157, %88
+  %159 = load i64, ptr %33, align 8
+  %160 = tail call i64 @llvm.smin.i64(i64 %158, i64 %159)
+  %161 = icmp sgt i64 %160, 0
+  br i1 %161, label %162, label %172
+
+162:
+  %163 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 3
+  br label %178
 
 164:
+  %165 = phi i64 [ %169, %164 ], [ %108, %107 ]
+  %166 = shl nsw i64 %165, 3
+  %167 = add nsw i64 %166, %72
+  %168 = getelementptr inbounds double, ptr %28, i64 %167
+  store double 0.000000e+00, ptr %168, align 8
+  %169 = add nsw i64 %165, 1
+  %170 = load i64, ptr %109, align 8
+  %171 = icmp slt i64 %169, %170
+  br i1 %171, label %164, label %154
+
+172:
   store i64 %86, ptr %75, align 8
-  %165 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %72
-  store i64 0, ptr %165, align 8
-  %166 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %72
-  store i64 0, ptr %166, align 8
-  %167 = load i64, ptr %53, align 8
-  %168 = icmp sgt i64 %167, -1
-  br i1 %168, label %190, label %196
+  %173 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %72
+  store i64 %88, ptr %173, align 8
+  %174 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %72
+  store i64 0, ptr %174, align 8
+  %175 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %72
+  store i64 0, ptr %175, align 8
+  %176 = load i64, ptr %53, align 8
+  %177 = icmp sgt i64 %176, -1
+  br i1 %177, label %205, label %211
 
-169:
-  %170 = phi i64 [ %188, %169 ], [ %154, %152 ]
-  %171 = phi i64 [ %187, %169 ], [ 0, %152 ]
-  %172 = load ptr, ptr %39, align 8
-  %173 = load ptr, ptr %172, align 8
-  %174 = getelementptr inbounds double, ptr %173, i64 %171
-  %175 = load double, ptr %174, align 8
-  %176 = fptosi double %175 to i64
-  %177 = load i64, ptr %107, align 8
-  %178 = load i64, ptr %87, align 8
-  %179 = sub nsw i64 %177, %178
-  %180 = sdiv i64 %179, %170
-  %181 = mul nsw i64 %180, %171
-  %182 = add i64 %178, %176
-  %183 = add i64 %182, %181
-  %184 = shl nsw i64 %183, 3
-  %185 = add nsw i64 %184, %72
-  %186 = getelementptr inbounds double, ptr %28, i64 %185
-  store double 1.000000e+00, ptr %186, align 8
-  %187 = add nuw nsw i64 %171, 1
-  %188 = load i64, ptr %153, align 8
-  %189 = icmp slt i64 %187, %188
-  br i1 %189, label %169, label %164
+178:
+  %179 = phi i64 [ 0, %162 ], [ %197, %178 ]
+  %180 = load ptr, ptr %40, align 8
+  %181 = load ptr, ptr %180, align 8
+  %182 = add nsw i64 %179, %88
+  %183 = getelementptr inbounds double, ptr %181, i64 %182
+  %184 = load double, ptr %183, align 8
+  %185 = fptosi double %184 to i64
+  %186 = load i64, ptr %109, align 8
+  %187 = load i64, ptr %89, align 8
+  %188 = sub nsw i64 %186, %187
+  %189 = load i64, ptr %163, align 8
+  %190 = sdiv i64 %188, %189
+  %191 = mul nsw i64 %190, %179
+  %192 = add i64 %187, %185
+  %193 = add i64 %192, %191
+  %194 = shl nsw i64 %193, 3
+  %195 = add nsw i64 %194, %72
+  %196 = getelementptr inbounds double, ptr %28, i64 %195
+  store double 1.000000e+00, ptr %196, align 8
+  %197 = add nuw nsw i64 %179, 1
+  %198 = load ptr, ptr %0, align 8
+  %199 = getelementptr inbounds %struct.Operation, ptr %198, i64 0, i32 3
+  %200 = load i64, ptr %199, align 8
+  %201 = sub nsw i64 %200, %88
+  %202 = load i64, ptr %33, align 8
+  %203 = tail call i64 @llvm.smin.i64(i64 %201, i64 %202)
+  %204 = icmp slt i64 %197, %203
+  br i1 %204, label %178, label %172
 
-190:
-  %191 = shl nsw i64 %167, 3
-  %192 = add nsw i64 %191, %72
-  %193 = getelementptr inbounds double, ptr %28, i64 %192
-  %194 = load double, ptr %193, align 8
-  %195 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %72
-  store double %194, ptr %195, align 8
-  br label %196
+205:
+  %206 = shl nsw i64 %176, 3
+  %207 = add nsw i64 %206, %72
+  %208 = getelementptr inbounds double, ptr %28, i64 %207
+  %209 = load double, ptr %208, align 8
+  %210 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %72
+  store double %209, ptr %210, align 8
+  br label %211
 
-196:
-  %197 = trunc i64 %72 to i32
-  %198 = shl nuw i32 1, %197
-  %199 = trunc i32 %198 to i8
-  %200 = or i8 %73, %199
-  br label %201
+211:
+  %212 = trunc i64 %72 to i32
+  %213 = shl nuw i32 1, %212
+  %214 = trunc i32 %213 to i8
+  %215 = or i8 %73, %214
+  br label %216
 
-201:
-  %202 = phi i8 [ %200, %196 ], [ %73, %71 ], [ %73, %78 ]
-  %203 = load i64, ptr %75, align 8
-  %204 = trunc i64 %72 to i32
-  %205 = shl nuw i32 1, %204
-  %206 = trunc i32 %205 to i8
-  %207 = icmp slt i64 %203, 0
-  %208 = select i1 %207, i8 0, i8 %206
-  %209 = or i8 %208, %74
-  %210 = add nuw nsw i64 %72, 1
-  %211 = icmp eq i64 %210, 8
-  br i1 %211, label %69, label %71
+216:
+  %217 = phi i8 [ %215, %211 ], [ %73, %71 ], [ %73, %78 ]
+  %218 = load i64, ptr %75, align 8
+  %219 = trunc i64 %72 to i32
+  %220 = shl nuw i32 1, %219
+  %221 = trunc i32 %220 to i8
+  %222 = icmp slt i64 %218, 0
+  %223 = select i1 %222, i8 0, i8 %221
+  %224 = or i8 %223, %74
+  %225 = add nuw nsw i64 %72, 1
+  %226 = icmp eq i64 %225, 8
+  br i1 %226, label %69, label %71
 
-212:
-  %213 = load ptr, ptr %48, align 8
-  %214 = tail call zeroext i8 %213(ptr noundef %28, i8 noundef zeroext %202, i64 noundef %50)
-  br label %215
+227:
+  %228 = load ptr, ptr %49, align 8
+  %229 = tail call zeroext i8 %228(ptr noundef %28, i8 noundef zeroext %217, i64 noundef %50)
+  br label %230
 
-215:
-  %216 = icmp eq i8 %209, 0
-  br i1 %216, label %500, label %217
+230:
+  %231 = icmp eq i8 %224, 0
+  br i1 %231, label %558, label %232
 
-217:
-  %218 = zext i8 %209 to i32
-  br label %219
+232:
+  %233 = zext i8 %224 to i32
+  br label %234
 
-219:
-  %220 = load ptr, ptr %54, align 8
-  %221 = tail call zeroext i8 %220(ptr noundef %28, i8 noundef zeroext %209, i64 noundef %50)
-  %222 = xor i8 %221, -1
-  %223 = and i8 %209, %222
-  %224 = load ptr, ptr %55, align 8
-  %225 = icmp eq ptr %224, null
-  br i1 %225, label %387, label %226
+234:
+  %235 = load ptr, ptr %54, align 8
+  %236 = tail call zeroext i8 %235(ptr noundef %28, i8 noundef zeroext %224, i64 noundef %50)
+  %237 = xor i8 %236, -1
+  %238 = and i8 %224, %237
+  %239 = load ptr, ptr %55, align 8
+  %240 = icmp eq ptr %239, null
+  br i1 %240, label %424, label %241
 
-226:
-  %227 = load i64, ptr %56, align 8
-  %228 = shl nsw i64 %227, 3
-  %229 = getelementptr inbounds double, ptr %28, i64 %228
-  %230 = load i64, ptr %57, align 8
-  %231 = shl nsw i64 %230, 3
-  %232 = getelementptr inbounds double, ptr %28, i64 %231
-  br label %235
+241:
+  %242 = load i64, ptr %56, align 8
+  %243 = shl nsw i64 %242, 3
+  %244 = getelementptr inbounds double, ptr %28, i64 %243
+  %245 = load i64, ptr %57, align 8
+  %246 = shl nsw i64 %245, 3
+  %247 = getelementptr inbounds double, ptr %28, i64 %246
+  br label %250
 
-233:
-  %234 = icmp eq i8 %304, 0
-  br i1 %234, label %387, label %310
+248:
+  %249 = icmp eq i8 %319, 0
+  br i1 %249, label %424, label %325
 
-235:
-  %236 = phi i64 [ 0, %226 ], [ %308, %307 ]
-  %237 = phi i8 [ 0, %226 ], [ %309, %307 ]
-  %238 = trunc i64 %236 to i32
-  %239 = shl nuw i32 1, %238
-  %240 = and i32 %239, %218
-  %241 = icmp eq i32 %240, 0
-  br i1 %241, label %303, label %242
+250:
+  %251 = phi i64 [ 0, %241 ], [ %323, %322 ]
+  %252 = phi i8 [ 0, %241 ], [ %324, %322 ]
+  %253 = trunc i64 %251 to i32
+  %254 = shl nuw i32 1, %253
+  %255 = and i32 %254, %233
+  %256 = icmp eq i32 %255, 0
+  br i1 %256, label %318, label %257
 
-242:
-  %243 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %236
-  %244 = load i64, ptr %243, align 8
-  %245 = load ptr, ptr %40, align 8
-  %246 = icmp eq ptr %245, null
-  br i1 %246, label %259, label %247
-
-247:
-  %248 = icmp eq i64 %244, 0
-  br i1 %248, label %294, label %249
-
-249:
-  %250 = load i64, ptr %56, align 8
-  %251 = shl nsw i64 %250, 3
-  %252 = add nsw i64 %251, %236
-  %253 = getelementptr inbounds double, ptr %28, i64 %252
-  %254 = load double, ptr %253, align 8
-  %255 = getelementptr inbounds %struct.Course, ptr %245, i64 0, i32 3
-  %256 = load double, ptr %255, align 8
-  %257 = fcmp ogt double %254, %256
-  %258 = select i1 %257, double %254, double 0x7FF0000000000000
-  br label %294
-
-259:
-  %260 = load i64, ptr %41, align 8
-  %261 = icmp eq i64 %244, %260
-  br i1 %261, label %294, label %262
+257:
+  %258 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %251
+  %259 = load i64, ptr %258, align 8
+  %260 = load ptr, ptr %41, align 8
+  %261 = icmp eq ptr %260, null
+  br i1 %261, label %274, label %262
 
 262:
-  %263 = load ptr, ptr %42, align 8
-  %264 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %236
-  %265 = load i64, ptr %264, align 8
-  %266 = load i64, ptr %38, align 8
-  %267 = icmp eq i64 %266, 1
-  %268 = load ptr, ptr %263, align 8
-  br i1 %267, label %269, label %274
+  %263 = icmp eq i64 %259, 0
+  br i1 %263, label %309, label %264
 
-269:
-  %270 = getelementptr inbounds %struct.Operand, ptr %263, i64 0, i32 1
-  %271 = load i64, ptr %270, align 8
-  %272 = mul nsw i64 %271, %265
-  %273 = getelementptr inbounds double, ptr %268, i64 %272
-  br label %290
+264:
+  %265 = load i64, ptr %56, align 8
+  %266 = shl nsw i64 %265, 3
+  %267 = add nsw i64 %266, %251
+  %268 = getelementptr inbounds double, ptr %28, i64 %267
+  %269 = load double, ptr %268, align 8
+  %270 = getelementptr inbounds %struct.Course, ptr %260, i64 0, i32 3
+  %271 = load double, ptr %270, align 8
+  %272 = fcmp ogt double %269, %271
+  %273 = select i1 %272, double %269, double 0x7FF0000000000000
+  br label %309
 
 274:
-  %275 = icmp sgt i64 %266, 0
-  br i1 %275, label %276, label %290
+  %275 = load i64, ptr %42, align 8
+  %276 = icmp eq i64 %259, %275
+  br i1 %276, label %309, label %277
 
-276:
-  %277 = phi i64 [ %280, %276 ], [ %266, %274 ]
-  %278 = phi ptr [ %287, %276 ], [ %268, %274 ]
-  %279 = phi i64 [ %288, %276 ], [ %265, %274 ]
-  %280 = add nsw i64 %277, -1
-  %281 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %280
-  %282 = load i64, ptr %281, align 8
-  %283 = srem i64 %279, %282
-  %284 = getelementptr inbounds %struct.Operand, ptr %263, i64 0, i32 1, i64 %280
-  %285 = load i64, ptr %284, align 8
-  %286 = mul nsw i64 %285, %283
-  %287 = getelementptr inbounds double, ptr %278, i64 %286
-  %288 = sdiv i64 %279, %282
-  %289 = icmp sgt i64 %277, 1
-  br i1 %289, label %276, label %290
+277:
+  %278 = load ptr, ptr %43, align 8
+  %279 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %251
+  %280 = load i64, ptr %279, align 8
+  %281 = load i64, ptr %39, align 8
+  %282 = icmp eq i64 %281, 1
+  %283 = load ptr, ptr %278, align 8
+  br i1 %282, label %284, label %289
 
-290:
-  %291 = phi ptr [ %273, %269 ], [ %268, %274 ], [ %287, %276 ]
-  %292 = getelementptr inbounds double, ptr %291, i64 %244
-  %293 = load double, ptr %292, align 8
-  br label %294
+284:
+  %285 = getelementptr inbounds %struct.Operand, ptr %278, i64 0, i32 1
+  %286 = load i64, ptr %285, align 8
+  %287 = mul nsw i64 %286, %280
+  %288 = getelementptr inbounds double, ptr %283, i64 %287
+  br label %305
 
-294:
-  %295 = phi double [ %293, %290 ], [ %258, %249 ], [ 0.000000e+00, %247 ], [ 0x7FF0000000000000, %259 ]
-  %296 = getelementptr inbounds double, ptr %232, i64 %236
-  store double %295, ptr %296, align 8
-  %297 = getelementptr inbounds double, ptr %229, i64 %236
-  %298 = load double, ptr %297, align 8
-  %299 = fcmp ugt double %295, %298
-  br i1 %299, label %303, label %300
+289:
+  %290 = icmp sgt i64 %281, 0
+  br i1 %290, label %291, label %305
 
-300:
-  %301 = trunc i32 %239 to i8
-  %302 = or i8 %237, %301
-  br label %303
+291:
+  %292 = phi i64 [ %295, %291 ], [ %281, %289 ]
+  %293 = phi ptr [ %302, %291 ], [ %283, %289 ]
+  %294 = phi i64 [ %303, %291 ], [ %280, %289 ]
+  %295 = add nsw i64 %292, -1
+  %296 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %295
+  %297 = load i64, ptr %296, align 8
+  %298 = srem i64 %294, %297
+  %299 = getelementptr inbounds %struct.Operand, ptr %278, i64 0, i32 1, i64 %295
+  %300 = load i64, ptr %299, align 8
+  %301 = mul nsw i64 %300, %298
+  %302 = getelementptr inbounds double, ptr %293, i64 %301
+  %303 = sdiv i64 %294, %297
+  %304 = icmp sgt i64 %292, 1
+  br i1 %304, label %291, label %305
 
-303:
-  %304 = phi i8 [ %302, %300 ], [ %237, %294 ], [ %237, %235 ]
-  %305 = add nuw nsw i64 %236, 1
-  %306 = icmp eq i64 %305, 8
-  br i1 %306, label %233, label %307
+305:
+  %306 = phi ptr [ %288, %284 ], [ %283, %289 ], [ %302, %291 ]
+  %307 = getelementptr inbounds double, ptr %306, i64 %259
+  %308 = load double, ptr %307, align 8
+  br label %309
 
-307:
-  %308 = phi i64 [ %305, %303 ], [ 0, %384 ]
-  %309 = phi i8 [ %304, %303 ], [ 0, %384 ]
-  br label %235
+309:
+  %310 = phi double [ %308, %305 ], [ %273, %264 ], [ 0.000000e+00, %262 ], [ 0x7FF0000000000000, %274 ]
+  %311 = getelementptr inbounds double, ptr %247, i64 %251
+  store double %310, ptr %311, align 8
+  %312 = getelementptr inbounds double, ptr %244, i64 %251
+  %313 = load double, ptr %312, align 8
+  %314 = fcmp ugt double %310, %313
+  br i1 %314, label %318, label %315
 
-310:
-  %311 = load ptr, ptr %55, align 8
-  %312 = load ptr, ptr %0, align 8
-  %313 = getelementptr inbounds %struct.Operation, ptr %312, i64 0, i32 3
-  %314 = load i64, ptr %313, align 8
-  %315 = tail call zeroext i8 %311(ptr noundef %28, i8 noundef zeroext %304, i64 noundef %314)
-  %316 = zext i8 %304 to i32
-  br label %317
+315:
+  %316 = trunc i32 %254 to i8
+  %317 = or i8 %252, %316
+  br label %318
 
-317:
-  %318 = phi i64 [ 0, %310 ], [ %385, %384 ]
-  %319 = trunc i64 %318 to i32
-  %320 = shl nuw i32 1, %319
-  %321 = and i32 %320, %316
-  %322 = icmp eq i32 %321, 0
-  br i1 %322, label %384, label %323
+318:
+  %319 = phi i8 [ %317, %315 ], [ %252, %309 ], [ %252, %250 ]
+  %320 = add nuw nsw i64 %251, 1
+  %321 = icmp eq i64 %320, 8
+  br i1 %321, label %248, label %322
 
-323:
-  %324 = load i64, ptr %58, align 8
-  %325 = shl nsw i64 %324, 3
-  %326 = getelementptr inbounds double, ptr %28, i64 %325
-  %327 = getelementptr inbounds double, ptr %326, i64 %318
-  %328 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %318
-  %329 = load i64, ptr %328, align 8
-  %330 = load ptr, ptr %40, align 8
-  %331 = icmp eq ptr %330, null
-  br i1 %331, label %360, label %332
+322:
+  %323 = phi i64 [ %320, %318 ], [ 0, %421 ]
+  %324 = phi i8 [ %319, %318 ], [ 0, %421 ]
+  br label %250
 
-332:
-  %333 = load i64, ptr %57, align 8
-  %334 = shl nsw i64 %333, 3
-  %335 = add nsw i64 %334, %318
-  %336 = getelementptr inbounds double, ptr %28, i64 %335
-  %337 = load double, ptr %336, align 8
-  %338 = getelementptr inbounds %struct.Course, ptr %330, i64 0, i32 3
-  store double %337, ptr %338, align 8
-  %339 = add nsw i64 %329, 1
-  %340 = getelementptr inbounds %struct.Course, ptr %330, i64 0, i32 2
-  store i64 %339, ptr %340, align 8
-  %341 = getelementptr inbounds %struct.Course, ptr %330, i64 0, i32 1
+325:
+  %326 = load ptr, ptr %55, align 8
+  %327 = load i64, ptr %33, align 8
+  %328 = tail call zeroext i8 %326(ptr noundef %28, i8 noundef zeroext %319, i64 noundef %327)
+  %329 = zext i8 %319 to i32
+  br label %330
+
+330:
+  %331 = phi i64 [ 0, %325 ], [ %422, %421 ]
+  %332 = trunc i64 %331 to i32
+  %333 = shl nuw i32 1, %332
+  %334 = and i32 %333, %329
+  %335 = icmp eq i32 %334, 0
+  br i1 %335, label %421, label %336
+
+336:
+  %337 = load i64, ptr %58, align 8
+  %338 = shl nsw i64 %337, 3
+  %339 = getelementptr inbounds double, ptr %28, i64 %338
+  %340 = getelementptr inbounds double, ptr %339, i64 %331
+  %341 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %331
   %342 = load i64, ptr %341, align 8
-  %343 = icmp slt i64 %329, %342
-  br i1 %343, label %344, label %382
+  %343 = load ptr, ptr %41, align 8
+  %344 = icmp eq ptr %343, null
+  br i1 %344, label %373, label %345
 
-344:
-  %345 = load i64, ptr %59, align 8
-  %346 = icmp sgt i64 %345, 0
-  br i1 %346, label %347, label %382
+345:
+  %346 = load i64, ptr %57, align 8
+  %347 = shl nsw i64 %346, 3
+  %348 = add nsw i64 %347, %331
+  %349 = getelementptr inbounds double, ptr %28, i64 %348
+  %350 = load double, ptr %349, align 8
+  %351 = getelementptr inbounds %struct.Course, ptr %343, i64 0, i32 3
+  store double %350, ptr %351, align 8
+  %352 = add nsw i64 %342, 1
+  %353 = getelementptr inbounds %struct.Course, ptr %343, i64 0, i32 2
+  store i64 %352, ptr %353, align 8
+  %354 = getelementptr inbounds %struct.Course, ptr %343, i64 0, i32 1
+  %355 = load i64, ptr %354, align 8
+  %356 = icmp slt i64 %342, %355
+  br i1 %356, label %357, label %419
 
-347:
-  %348 = phi i64 [ %357, %347 ], [ 0, %344 ]
-  %349 = shl nsw i64 %348, 3
-  %350 = getelementptr inbounds double, ptr %327, i64 %349
-  %351 = load double, ptr %350, align 8
-  %352 = load ptr, ptr %330, align 8
-  %353 = load i64, ptr %341, align 8
-  %354 = mul nsw i64 %353, %348
-  %355 = add nsw i64 %354, %329
-  %356 = getelementptr inbounds double, ptr %352, i64 %355
-  store double %351, ptr %356, align 8
-  %357 = add nuw nsw i64 %348, 1
+357:
   %358 = load i64, ptr %59, align 8
-  %359 = icmp slt i64 %357, %358
-  br i1 %359, label %347, label %382
+  %359 = icmp sgt i64 %358, 0
+  br i1 %359, label %360, label %419
 
 360:
-  %361 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %318
-  %362 = load i64, ptr %361, align 8
-  %363 = load i64, ptr %41, align 8
-  %364 = mul nsw i64 %363, %362
-  %365 = add nsw i64 %364, %329
-  %366 = load i64, ptr %59, align 8
-  %367 = icmp sgt i64 %366, 0
-  br i1 %367, label %368, label %382
+  %361 = phi i64 [ %370, %360 ], [ 0, %357 ]
+  %362 = shl nsw i64 %361, 3
+  %363 = getelementptr inbounds double, ptr %340, i64 %362
+  %364 = load double, ptr %363, align 8
+  %365 = load ptr, ptr %343, align 8
+  %366 = load i64, ptr %354, align 8
+  %367 = mul nsw i64 %366, %361
+  %368 = add nsw i64 %367, %342
+  %369 = getelementptr inbounds double, ptr %365, i64 %368
+  store double %364, ptr %369, align 8
+  %370 = add nuw nsw i64 %361, 1
+  %371 = load i64, ptr %59, align 8
+  %372 = icmp slt i64 %370, %371
+  br i1 %372, label %360, label %419
 
-368:
-  %369 = phi i64 [ %379, %368 ], [ 0, %360 ]
-  %370 = shl nsw i64 %369, 3
-  %371 = getelementptr inbounds double, ptr %327, i64 %370
-  %372 = load double, ptr %371, align 8
-  %373 = load ptr, ptr %43, align 8
-  %374 = load i64, ptr %60, align 8
-  %375 = add nsw i64 %374, %369
-  %376 = getelementptr inbounds ptr, ptr %373, i64 %375
-  %377 = load ptr, ptr %376, align 8
-  %378 = getelementptr inbounds double, ptr %377, i64 %365
-  store double %372, ptr %378, align 8
-  %379 = add nuw nsw i64 %369, 1
-  %380 = load i64, ptr %59, align 8
-  %381 = icmp slt i64 %379, %380
-  br i1 %381, label %368, label %382
+373:
+  %374 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %331
+  %375 = load i64, ptr %374, align 8
+  %376 = load i64, ptr %42, align 8
+  %377 = mul nsw i64 %376, %375
+  %378 = add nsw i64 %377, %342
+  %379 = load ptr, ptr %44, align 8
+  %380 = load i64, ptr %60, align 8
+  %381 = getelementptr inbounds ptr, ptr %379, i64 %380
+  %382 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %331
+  %383 = load i64, ptr %382, align 8
+  %384 = load i64, ptr %59, align 8
+  %385 = load ptr, ptr %0, align 8
+  %386 = getelementptr inbounds %struct.Operation, ptr %385, i64 0, i32 3
+  %387 = load i64, ptr %386, align 8
+  %388 = add nsw i64 %387, 1
+  %389 = sdiv i64 %384, %388
+  %390 = sub nsw i64 %387, %383
+  %391 = load i64, ptr %33, align 8
+  %392 = tail call i64 @llvm.smin.i64(i64 %390, i64 %391)
+  %393 = add nsw i64 %392, 1
+  %394 = mul nsw i64 %393, %389
+  %395 = icmp sgt i64 %394, 0
+  br i1 %395, label %396, label %419
 
-382:
-  %383 = add nsw i64 %329, 1
-  store i64 %383, ptr %328, align 8
-  br label %384
+396:
+  %397 = mul nsw i64 %389, %383
+  br label %398
 
-384:
-  %385 = add nuw nsw i64 %318, 1
-  %386 = icmp eq i64 %385, 8
-  br i1 %386, label %307, label %317
+398:
+  %399 = phi i64 [ 0, %396 ], [ %409, %398 ]
+  %400 = shl nsw i64 %399, 3
+  %401 = getelementptr inbounds double, ptr %340, i64 %400
+  %402 = load double, ptr %401, align 8
+  %403 = icmp slt i64 %399, %389
+  %404 = select i1 %403, i64 0, i64 %397
+  %405 = add nsw i64 %404, %399
+  %406 = getelementptr inbounds ptr, ptr %381, i64 %405
+  %407 = load ptr, ptr %406, align 8
+  %408 = getelementptr inbounds double, ptr %407, i64 %378
+  store double %402, ptr %408, align 8
+  %409 = add nuw nsw i64 %399, 1
+  %410 = load ptr, ptr %0, align 8
+  %411 = getelementptr inbounds %struct.Operation, ptr %410, i64 0, i32 3
+  %412 = load i64, ptr %411, align 8
+  %413 = sub nsw i64 %412, %383
+  %414 = load i64, ptr %33, align 8
+  %415 = tail call i64 @llvm.smin.i64(i64 %413, i64 %414)
+  %416 = add nsw i64 %415, 1
+  %417 = mul nsw i64 %416, %389
+  %418 = icmp slt i64 %409, %417
+  br i1 %418, label %398, label %419
 
-387:
-  %388 = icmp eq i8 %223, 0
-  br i1 %388, label %219, label %389
+419:
+  %420 = add nsw i64 %342, 1
+  store i64 %420, ptr %341, align 8
+  br label %421
 
-389:
-  %390 = load ptr, ptr %61, align 8
-  %391 = tail call zeroext i8 %390(ptr noundef %28, i8 noundef zeroext %223, i64 noundef %50)
-  %392 = zext i8 %223 to i32
-  br label %393
+421:
+  %422 = add nuw nsw i64 %331, 1
+  %423 = icmp eq i64 %422, 8
+  br i1 %423, label %322, label %330
 
-393:
-  %394 = phi i64 [ 0, %389 ], [ %498, %496 ]
-  %395 = phi i8 [ 0, %389 ], [ %497, %496 ]
-  %396 = trunc i64 %394 to i32
-  %397 = shl nuw i32 1, %396
-  %398 = and i32 %397, %392
-  %399 = icmp eq i32 %398, 0
-  br i1 %399, label %496, label %400
+424:
+  %425 = icmp eq i8 %238, 0
+  br i1 %425, label %234, label %426
 
-400:
-  %401 = load i64, ptr %53, align 8
-  %402 = icmp slt i64 %401, 0
-  br i1 %402, label %438, label %403
+426:
+  %427 = load ptr, ptr %61, align 8
+  %428 = tail call zeroext i8 %427(ptr noundef %28, i8 noundef zeroext %238, i64 noundef %50)
+  %429 = zext i8 %238 to i32
+  br label %430
 
-403:
-  %404 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %394
-  %405 = load i64, ptr %404, align 8
-  %406 = icmp eq i64 %405, 7
-  br i1 %406, label %438, label %407
+430:
+  %431 = phi i64 [ 0, %426 ], [ %556, %554 ]
+  %432 = phi i8 [ 0, %426 ], [ %555, %554 ]
+  %433 = trunc i64 %431 to i32
+  %434 = shl nuw i32 1, %433
+  %435 = and i32 %434, %429
+  %436 = icmp eq i32 %435, 0
+  br i1 %436, label %554, label %437
 
-407:
-  %408 = load i64, ptr %62, align 8
-  %409 = shl nsw i64 %408, 3
-  %410 = getelementptr inbounds double, ptr %28, i64 %409
-  %411 = getelementptr inbounds double, ptr %410, i64 %394
-  %412 = load i64, ptr %63, align 8
-  %413 = shl nsw i64 %412, 3
-  %414 = getelementptr inbounds double, ptr %411, i64 %413
-  %415 = load double, ptr %414, align 8
-  %416 = load double, ptr %64, align 8
-  %417 = fcmp une double %415, %416
-  br i1 %417, label %438, label %418
+437:
+  %438 = load i64, ptr %53, align 8
+  %439 = icmp slt i64 %438, 0
+  br i1 %439, label %475, label %440
 
-418:
-  %419 = load i64, ptr %65, align 8
-  %420 = shl nsw i64 %419, 3
-  %421 = getelementptr inbounds double, ptr %411, i64 %420
-  %422 = load double, ptr %421, align 8
-  %423 = load double, ptr %66, align 8
-  %424 = fcmp ult double %422, %423
-  br i1 %424, label %425, label %438
+440:
+  %441 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %431
+  %442 = load i64, ptr %441, align 8
+  %443 = icmp eq i64 %442, 7
+  br i1 %443, label %475, label %444
 
-425:
-  %426 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %394
-  %427 = load double, ptr %426, align 8
-  %428 = getelementptr inbounds %struct.Operation, ptr %47, i64 0, i32 1, i64 %46, i32 17, i64 %405
-  %429 = load double, ptr %428, align 8
-  %430 = fmul double %427, %429
-  %431 = shl nsw i64 %401, 3
-  %432 = add nsw i64 %431, %394
-  %433 = getelementptr inbounds double, ptr %28, i64 %432
-  store double %430, ptr %433, align 8
-  %434 = add nsw i64 %405, 1
-  store i64 %434, ptr %404, align 8
-  %435 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %394
-  store i64 0, ptr %435, align 8
-  %436 = trunc i32 %397 to i8
-  %437 = or i8 %395, %436
-  br label %496
+444:
+  %445 = load i64, ptr %62, align 8
+  %446 = shl nsw i64 %445, 3
+  %447 = getelementptr inbounds double, ptr %28, i64 %446
+  %448 = getelementptr inbounds double, ptr %447, i64 %431
+  %449 = load i64, ptr %63, align 8
+  %450 = shl nsw i64 %449, 3
+  %451 = getelementptr inbounds double, ptr %448, i64 %450
+  %452 = load double, ptr %451, align 8
+  %453 = load double, ptr %64, align 8
+  %454 = fcmp une double %452, %453
+  br i1 %454, label %475, label %455
 
-438:
-  %439 = load i64, ptr %62, align 8
-  %440 = shl nsw i64 %439, 3
-  %441 = getelementptr inbounds double, ptr %28, i64 %440
-  %442 = getelementptr inbounds double, ptr %441, i64 %394
-  %443 = load i64, ptr %60, align 8
-  %444 = icmp sgt i64 %443, 0
-  br i1 %444, label %445, label %448
+455:
+  %456 = load i64, ptr %65, align 8
+  %457 = shl nsw i64 %456, 3
+  %458 = getelementptr inbounds double, ptr %448, i64 %457
+  %459 = load double, ptr %458, align 8
+  %460 = load double, ptr %66, align 8
+  %461 = fcmp ult double %459, %460
+  br i1 %461, label %462, label %475
 
-445:
-  %446 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %394
-  %447 = load i64, ptr %446, align 8
-  br label %458
+462:
+  %463 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %431
+  %464 = load double, ptr %463, align 8
+  %465 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 17, i64 %442
+  %466 = load double, ptr %465, align 8
+  %467 = fmul double %464, %466
+  %468 = shl nsw i64 %438, 3
+  %469 = add nsw i64 %468, %431
+  %470 = getelementptr inbounds double, ptr %28, i64 %469
+  store double %467, ptr %470, align 8
+  %471 = add nsw i64 %442, 1
+  store i64 %471, ptr %441, align 8
+  %472 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %431
+  store i64 0, ptr %472, align 8
+  %473 = trunc i32 %434 to i8
+  %474 = or i8 %432, %473
+  br label %554
 
-448:
-  %449 = load ptr, ptr %40, align 8
-  %450 = icmp eq ptr %449, null
-  br i1 %450, label %451, label %494
-
-451:
-  %452 = load i64, ptr %59, align 8
-  %453 = icmp sgt i64 %452, 0
-  br i1 %453, label %454, label %494
-
-454:
-  %455 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %394
-  %456 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %394
-  %457 = load i64, ptr %455, align 8
-  br label %470
-
-458:
-  %459 = phi i64 [ 0, %445 ], [ %467, %458 ]
-  %460 = shl nsw i64 %459, 3
-  %461 = getelementptr inbounds double, ptr %442, i64 %460
-  %462 = load double, ptr %461, align 8
-  %463 = load ptr, ptr %43, align 8
-  %464 = getelementptr inbounds ptr, ptr %463, i64 %459
-  %465 = load ptr, ptr %464, align 8
-  %466 = getelementptr inbounds double, ptr %465, i64 %447
-  store double %462, ptr %466, align 8
-  %467 = add nuw nsw i64 %459, 1
-  %468 = load i64, ptr %60, align 8
-  %469 = icmp slt i64 %467, %468
-  br i1 %469, label %458, label %448
-
-470:
-  %471 = phi i64 [ 0, %454 ], [ %477, %476 ]
-  %472 = load i64, ptr %41, align 8
-  %473 = icmp slt i64 %457, %472
-  br i1 %473, label %474, label %476
-
-474:
-  %475 = load i64, ptr %456, align 8
-  br label %480
-
-476:
-  %477 = add nuw nsw i64 %471, 1
-  %478 = load i64, ptr %59, align 8
-  %479 = icmp slt i64 %477, %478
-  br i1 %479, label %470, label %494
-
-480:
-  %481 = phi i64 [ %492, %480 ], [ %472, %474 ]
-  %482 = phi i64 [ %491, %480 ], [ %457, %474 ]
-  %483 = load ptr, ptr %43, align 8
-  %484 = load i64, ptr %60, align 8
-  %485 = add nsw i64 %484, %471
-  %486 = getelementptr inbounds ptr, ptr %483, i64 %485
-  %487 = load ptr, ptr %486, align 8
-  %488 = mul nsw i64 %475, %481
-  %489 = add nsw i64 %488, %482
-  %490 = getelementptr inbounds double, ptr %487, i64 %489
-  store double 0x7FF8000000000000, ptr %490, align 8
-  %491 = add nsw i64 %482, 1
-  %492 = load i64, ptr %41, align 8
-  %493 = icmp slt i64 %491, %492
-  br i1 %493, label %480, label %476
-
-494:
-  %495 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %394
-  store i64 -1, ptr %495, align 8
-  br label %496
+475:
+  %476 = load i64, ptr %62, align 8
+  %477 = shl nsw i64 %476, 3
+  %478 = getelementptr inbounds double, ptr %28, i64 %477
+  %479 = getelementptr inbounds double, ptr %478, i64 %431
+  %480 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %431
+  %481 = load i64, ptr %480, align 8
+  %482 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %431
+  %483 = load i64, ptr %482, align 8
+  %484 = load ptr, ptr %0, align 8
+  %485 = getelementptr inbounds %struct.Operation, ptr %484, i64 0, i32 3
+  %486 = load i64, ptr %485, align 8
+  %487 = sub nsw i64 %486, %483
+  %488 = load i64, ptr %33, align 8
+  %489 = tail call i64 @llvm.smin.i64(i64 %487, i64 %488)
+  %490 = add nsw i64 %489, 1
+  %491 = load i64, ptr %60, align 8
+  %492 = add nsw i64 %486, 1
+  %493 = sdiv i64 %491, %492
+  %494 = mul nsw i64 %493, %490
+  %495 = icmp sgt i64 %494, 0
+  br i1 %495, label %496, label %498
 
 496:
-  %497 = phi i8 [ %437, %425 ], [ %395, %494 ], [ %395, %393 ]
-  %498 = add nuw nsw i64 %394, 1
-  %499 = icmp eq i64 %498, 8
-  br i1 %499, label %500, label %393
+  %497 = mul nsw i64 %493, %483
+  br label %501
 
-500:
-  %501 = phi i8 [ %68, %215 ], [ %497, %496 ]
-  br i1 %216, label %502, label %67
+498:
+  %499 = load ptr, ptr %41, align 8
+  %500 = icmp eq ptr %499, null
+  br i1 %500, label %515, label %553
 
-502:
-  %503 = add nuw nsw i64 %46, 1
-  %504 = load i64, ptr %3, align 8
-  %505 = icmp slt i64 %503, %504
-  br i1 %505, label %45, label %44
+501:
+  %502 = phi i64 [ 0, %496 ], [ %513, %501 ]
+  %503 = shl nsw i64 %502, 3
+  %504 = getelementptr inbounds double, ptr %479, i64 %503
+  %505 = load double, ptr %504, align 8
+  %506 = load ptr, ptr %44, align 8
+  %507 = icmp slt i64 %502, %493
+  %508 = select i1 %507, i64 0, i64 %497
+  %509 = add nsw i64 %508, %502
+  %510 = getelementptr inbounds ptr, ptr %506, i64 %509
+  %511 = load ptr, ptr %510, align 8
+  %512 = getelementptr inbounds double, ptr %511, i64 %481
+  store double %505, ptr %512, align 8
+  %513 = add nuw nsw i64 %502, 1
+  %514 = icmp eq i64 %513, %494
+  br i1 %514, label %498, label %501
 
-506:
+515:
+  %516 = load ptr, ptr %44, align 8
+  %517 = load i64, ptr %60, align 8
+  %518 = getelementptr inbounds ptr, ptr %516, i64 %517
+  %519 = load i64, ptr %59, align 8
+  %520 = load ptr, ptr %0, align 8
+  %521 = getelementptr inbounds %struct.Operation, ptr %520, i64 0, i32 3
+  %522 = load i64, ptr %521, align 8
+  %523 = add nsw i64 %522, 1
+  %524 = sdiv i64 %519, %523
+  %525 = mul nsw i64 %524, %490
+  %526 = icmp sgt i64 %525, 0
+  br i1 %526, label %527, label %553
+
+527:
+  %528 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %431
+  %529 = mul nsw i64 %524, %483
+  %530 = load i64, ptr %528, align 8
+  br label %531
+
+531:
+  %532 = phi i64 [ 0, %527 ], [ %541, %540 ]
+  %533 = load i64, ptr %42, align 8
+  %534 = icmp slt i64 %530, %533
+  br i1 %534, label %535, label %540
+
+535:
+  %536 = icmp slt i64 %532, %524
+  %537 = select i1 %536, i64 0, i64 %529
+  %538 = add nsw i64 %537, %532
+  %539 = getelementptr inbounds ptr, ptr %518, i64 %538
+  br label %543
+
+540:
+  %541 = add nuw nsw i64 %532, 1
+  %542 = icmp eq i64 %541, %525
+  br i1 %542, label %553, label %531
+
+543:
+  %544 = phi i64 [ %533, %535 ], [ %551, %543 ]
+  %545 = phi i64 [ %530, %535 ], [ %550, %543 ]
+  %546 = load ptr, ptr %539, align 8
+  %547 = mul nsw i64 %544, %481
+  %548 = add nsw i64 %547, %545
+  %549 = getelementptr inbounds double, ptr %546, i64 %548
+  store double 0x7FF8000000000000, ptr %549, align 8
+  %550 = add nsw i64 %545, 1
+  %551 = load i64, ptr %42, align 8
+  %552 = icmp slt i64 %550, %551
+  br i1 %552, label %543, label %540
+
+553:
+  store i64 -1, ptr %480, align 8
+  br label %554
+
+554:
+  %555 = phi i8 [ %474, %462 ], [ %432, %553 ], [ %432, %430 ]
+  %556 = add nuw nsw i64 %431, 1
+  %557 = icmp eq i64 %556, 8
+  br i1 %557, label %558, label %430
+
+558:
+  %559 = phi i8 [ %68, %230 ], [ %555, %554 ]
+  br i1 %231, label %560, label %67
+
+560:
+  %561 = add nuw nsw i64 %47, 1
+  %562 = load i64, ptr %3, align 8
+  %563 = icmp slt i64 %561, %562
+  br i1 %563, label %46, label %45
+
+564:
   ret ptr null
 }
 
@@ -1757,7 +1859,7 @@ define internal i32 @work_on_windows(ptr nocapture noundef %0) {
   ret i32 0
 }
 
-declare i64 @llvm.smax.i64(i64, i64)
-
 declare i64 @llvm.smin.i64(i64, i64)
+
+declare i64 @llvm.smax.i64(i64, i64)
 

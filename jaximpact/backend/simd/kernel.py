@@ -158,9 +158,9 @@ def compile_code(
         inputs: a tree of arrays, or of what stands for them, with one lane: every
             array of the functions has one axis of length 1, the lane's.
         derivatives: those along directions, which are worked out beside the values.
-        thorough: whether to take twice the time to compile values. Steps then also have
-            code for vectors of half the lanes, which takes two thirds of the time where
-            few lanes are under way.
+        thorough: whether to take twice the time to compile. Steps then also have code
+            for vectors of half the lanes, which takes two thirds of the time where few
+            lanes are under way.
 
     Rows are inputs, state and results; with samples the time asked for and samples.
     Behind inputs, state, results and samples stand the derivatives of each direction.
@@ -188,7 +188,7 @@ def _compiled(
     at_inputs = layout.allot(inputs, along.inputs, more)
     at_state = layout.allot(state, along.state)
     at_results = layout.allot(results)
-    of_few = thorough and not layout.directions
+    of_few = thorough and lanes_for(layout.directions > 0) == PACK
     to_write = [
         ("begin", begin, [at_inputs], [at_state], dict(masked=True)),
         ("step", step, [at_state], [at_state], dict(says=True, of_few=of_few)),
