@@ -120,10 +120,10 @@ def simulate_batch(
         missing = np.flatnonzero(collector.missing)
         begin = started = time.perf_counter()
         if executor is None:
+            name = ""
             # Nothing is compiled for what a journal has already.
-            name = (
-                _prepare(_at(scene, missing), setting, ledger) if len(missing) else ""
-            )
+            if timing is not None and len(missing):
+                name = _prepare(_at(scene, missing), setting, ledger)
             started = time.perf_counter()
             for part in in_parts(missing):
                 rows = compute_part(_at(scene, part), len(part), setting, ledger)
@@ -162,9 +162,12 @@ def _prepare(scene: Scene, accuracy: Accuracy, ledger: bool) -> str:
 
 def _at(scene: Scene, places: np.ndarray) -> Scene:
     """Return the scenes at some places; what is the same for all as one number."""
-    return jax.tree.map(
-        lambda leaf: leaf[0] if leaf.strides == (0,) else leaf[places], scene
-    )
+    return jax.tree.map(lambda leaf: _once(leaf, places), scene)
+
+
+def _once(leaf: np.ndarray, places=...) -> np.ndarray:
+    """Return an array at some places, or its number where it holds one alone."""
+    return leaf[0] if leaf.strides == (0,) else leaf[places]
 
 
 @numpy_settings()
@@ -178,15 +181,13 @@ def compute_part(
 
     def lanes_of(alone: Scene) -> np.ndarray:
         """Compute blocks of one shape; `(lanes, numbers)`."""
-        alone = jax.tree.map(np.asarray, alone)
-        lanes = len(alone.impact.speed)
-        leaves, structure = jax.tree.flatten(_at(alone, np.arange(lanes)))
+        leaves, structure = jax.tree.flatten(alone)
+        leaves = [_once(np.asarray(leaf)) for leaf in leaves]
         rows, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
         # One number for all where all scenes are the same.
-        return np.broadcast_to(rows.T, (lanes, len(rows)))
+        return rows.T if rows.ndim > 1 else np.broadcast_to(rows, (count, len(rows)))
 
-    every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
-    return shape_by_shape(lanes_of, every).T
+    return shape_by_shape(lanes_of, scene).T
 
 
 def summary_of(rows: np.ndarray, ledger: LedgerItems = False) -> ImpactSummary:
