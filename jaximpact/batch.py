@@ -10,6 +10,7 @@ import dataclasses
 import hashlib
 import time
 from pathlib import Path
+from types import EllipsisType
 
 import jax
 import numpy as np
@@ -165,7 +166,7 @@ def _at(scene: Scene, places: np.ndarray) -> Scene:
     return jax.tree.map(lambda leaf: _once(leaf, places), scene)
 
 
-def _once(leaf: np.ndarray, places=...) -> np.ndarray:
+def _once(leaf: np.ndarray, places: np.ndarray | EllipsisType = ...) -> np.ndarray:
     """Return an array at some places, or its number where it holds one alone."""
     return leaf[0] if leaf.strides == (0,) else leaf[places]
 
