@@ -1,9 +1,7 @@
 """This solver with the code for AVX2, which processors without AVX-512 take."""
 
-import atexit
 import concurrent.futures
 import functools
-import multiprocessing
 from collections.abc import Callable
 
 import jax
@@ -13,6 +11,7 @@ from jaximpact.backend.simd import compiling_for, host
 from jaximpact.scene import Scene
 
 from ..impacts import Answer
+from ..processes import process_pool
 from .gradients import forward_gradient
 from .methods import Ours
 
@@ -45,11 +44,7 @@ def methods_for_avx2() -> list[OursForAvx2]:
 
 @functools.cache
 def _process() -> concurrent.futures.ProcessPoolExecutor:
-    # A fork of a process that has run JAX may hang.
-    context = multiprocessing.get_context("spawn")
-    process = concurrent.futures.ProcessPoolExecutor(1, context)
-    atexit.register(process.shutdown, cancel_futures=True)
-    return process
+    return process_pool(1)
 
 
 def _in_process(function: Callable, scenes: Scene, *more):

@@ -2,13 +2,11 @@
 Python's lock, worker processes for those that hold it, and silence for libraries in C
 that report every impact they give up."""
 
-import atexit
 import concurrent.futures
 import contextlib
 import copy
 import functools
 import itertools
-import multiprocessing
 import os
 import sys
 import time
@@ -18,6 +16,7 @@ from concurrent.futures.process import BrokenProcessPool
 import numpy as np
 
 from ..impacts import Answer
+from ..processes import process_pool
 from . import model
 
 PARTS = 8
@@ -76,11 +75,7 @@ def quiet_stderr() -> Iterator[None]:
 
 @functools.cache
 def _pool() -> concurrent.futures.ProcessPoolExecutor:
-    # A fork of a process that has run JAX may hang.
-    context = multiprocessing.get_context("spawn")
-    pool = concurrent.futures.ProcessPoolExecutor(os.cpu_count(), context)
-    atexit.register(pool.shutdown, cancel_futures=True)
-    return pool
+    return process_pool(os.cpu_count())
 
 
 def solve_scenes(

@@ -102,7 +102,7 @@ typedef struct {
     double **results; /* a dense array for each row */
     int64_t times;
     Course *course; /* of the only lane; NULL if none is recorded */
-    Turn *turns;    /* lanes by program, those that take longest first */
+    Turn *turns;    /* columns to fill, by program, those that take longest first */
     int64_t next[PROGRAMS], end[PROGRAMS];
     int out_of_memory;
 } Job;
@@ -385,8 +385,9 @@ static void await_end(const Operation *all, uint64_t thread)
     all->close((void *)(uintptr_t)thread);
 }
 
-/* Gives the directions of few lanes to several columns, which are computed side by side;
- * every one has the same values. */
+/* Divides the directions of one or two lanes among columns that would be empty: they are
+ * computed side by side, and every column of a lane has the same values. No more columns
+ * than half the lanes: code for vectors of half the lanes takes the least time. */
 static void share_out(Job *job)
 {
     int64_t directions = job->operation->directions, most = HALF / job->lanes;

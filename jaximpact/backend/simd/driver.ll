@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 85e522d71f6cc9448f429d3dfcd706e06f24fc86163c92d8ab123bccc1310dfb
+; Made from driver.c by 'make driver'; sha256 c04792c7ffb16a52baf721f30cb3b9d7f1e46a020c5fb1eb641f0f6cf352f1f6
 
 %struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
