@@ -1,5 +1,6 @@
 """Checks of users' laws and shapes, before they are used."""
 
+import concurrent.futures
 import functools
 import inspect
 import math
@@ -25,7 +26,7 @@ from .laws.kinematics import AbstractKinematics
 from .laws.loading_surface import AbstractLoadingSurface, Forces, Load
 from .laws.slider import AbstractSlider
 from .parameters import Part, declared_of
-from .shapes import AbstractShape, Foundation, Section
+from .shapes import AbstractShape, Foundation, Section, SemiAxes
 
 LANES = 2
 """Numbers in the arrays that laws are tried with, one for each impact."""
@@ -48,14 +49,22 @@ def check_part(slot: str, part: Part) -> None:
     for kind in made_of(type(part)) or (type(part),):
         if not is_ours(kind):
             alone = part if isinstance(part, kind) else kind()
-            # The first call may stand inside of a `jax.jit`.
-            with jax.ensure_compile_time_eval():
-                _check(slot, jax.tree.structure(alone))
+            _check_once(slot, jax.tree.structure(alone))
 
 
 @functools.lru_cache(maxsize=256)
-@tracing()
+def _check_once(slot: str, structure: Any) -> None:
+    # The first call may stand inside of a `jax.jit`, which a thread of its own is not.
+    with concurrent.futures.ThreadPoolExecutor(1) as pool:
+        pool.submit(_check, slot, structure).result()
+
+
 def _check(slot: str, structure: Any) -> None:
+    with jax.enable_x64(True), tracing():
+        _try_part(slot, structure)
+
+
+def _try_part(slot: str, structure: Any) -> None:
     part = jax.tree.unflatten(structure, [jnp.zeros(())] * structure.num_leaves)
     for parameter, declared in declared_of(type(part)).items():
         object.__setattr__(part, parameter, jnp.asarray(declared.si_default, float))
@@ -71,7 +80,7 @@ def _check(slot: str, structure: Any) -> None:
         raise InputError(f"{name}: {_problem(type(part), error)}") from error
 
 
-clear_when_edited(_check.cache_clear)
+clear_when_edited(_check_once.cache_clear)
 
 
 def _problem(kind: type, error: BaseException) -> str:
@@ -208,10 +217,11 @@ def _check_result(name: str, call: Call, result) -> None:
 
 def _check_symmetry(name: str, law: AbstractFlow) -> None:
     """Raise InputError where a central load makes the ground flow aside."""
-    size, one = jnp.array(CENTRAL_LOADS), jnp.ones(len(CENTRAL_LOADS))
+    size, one = np.array(CENTRAL_LOADS), np.ones(len(CENTRAL_LOADS))
     load = Load(size, one, 0.0 * one, 0.0 * one, one, one)
     foundation = Foundation(one, one, 0.1 * one, one, 0.0 * one, 0.0 * one)
-    flow = law(load, 0.01 * one, foundation)
+    # One program of XLA, where each operation by itself would be compiled alone.
+    flow = jax.jit(lambda *arguments: law(*arguments))(load, 0.01 * one, foundation)
     aside = np.abs(flow.tangential) + np.abs(flow.rotational)
     if np.any(aside > 0.0):
         raise InputError(
@@ -257,11 +267,11 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
         )
         if not value > 0.0:
             raise InputError(f"{name}: {what} must be positive, but is {value:g}")
-    _try(f"{name}: semi_axes", shape, lambda shape: shape.semi_axes(1.0, 1.0))
+    axes = _try(f"{name}: semi_axes", shape, lambda shape: shape.semi_axes(1.0, 1.0))
     heights = _try(f"{name}: support", shape, support, turn)
     _try(f"{name}: tangency_arm", shape, arm, turn)
     sections = _try(f"{name}: section", shape, section, turn, depth)
-    _check_half_sizes(name, shape, support)
+    _check_half_sizes(name, axes, jax.jit(functools.partial(support, shape)))
     if not np.all(heights > 0.0):
         raise InputError(f"{name}: support must be positive")
     cut = (depth > 0.0) & (depth < 2.0)
@@ -275,19 +285,18 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
         )
 
 
-def _check_half_sizes(name: str, shape: Any, support: Callable) -> None:
-    axes = shape.semi_axes(1.0, 1.0)
+def _check_half_sizes(name: str, axes: SemiAxes, support: Callable) -> None:
     for angle, half, size in ((0.0, "H", axes.major), (90.0, "R", axes.minor)):
-        here = float(support(shape, jnp.radians(angle)))
+        here = float(support(math.radians(angle)))
         if not math.isclose(here, size, rel_tol=1e-6):
             raise InputError(
                 f"{name}: support at {angle:g} degrees must be the half size {half}, "
                 f"{size:.6g}, but is {here:.6g}"
             )
     for angle in (0.3, 1.2):
-        here = float(support(shape, angle))
+        here = float(support(angle))
         for other in (-angle, angle + math.pi):
-            there = float(support(shape, other))
+            there = float(support(other))
             if not math.isclose(here, there, rel_tol=1e-6):
                 raise InputError(
                     f"{name}: support must be that of a block symmetric about its "
@@ -318,9 +327,14 @@ def _try(name: str, shape: AbstractShape, function: Callable, *inputs: np.ndarra
 
     slopes = jax.jacfwd(arrays, argnums=tuple(range(len(inputs) + 1)))
     along = (None, *[0] * len(inputs))
-    values, slopes = (
-        (jax.vmap(f, along) if inputs else f)(shape, *inputs) for f in (arrays, slopes)
-    )
+
+    # One program of XLA, where each operation by itself would be compiled alone.
+    @jax.jit
+    def computed(*arguments):
+        of_all = (jax.vmap(f, along) if inputs else f for f in (arrays, slopes))
+        return tuple(f(*arguments) for f in of_all)
+
+    values, slopes = computed(shape, *inputs)
     for what, tree in (("", values), (" has a derivative that", slopes)):
         for leaf in jax.tree.leaves(tree):
             bad = ~np.isfinite(np.asarray(leaf))
