@@ -23,7 +23,8 @@ from .._jax_internals import Tracer, namespace_of, number_in
 from .._precision import float64_leaf
 from .._types import Structure
 from ..accuracy import Accuracy
-from ..identity import clear_when_edited, heed_edits, tracing
+from ..errors import IncompleteError
+from ..identity import clear_when_edited, heed_edits, tracing, users_code
 from ..impact.dynamics import LedgerItems
 from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, exact_models
@@ -32,7 +33,7 @@ from ..scene import Scene
 from . import MACHINE_CODE, NATIVE, XLA, Engine
 from .native_backend import compile_side_by_side, computes_on_cpu
 from .operation import call
-from .simd import MOST_DIRECTIONS, KernelSet
+from .simd import MOST_DIRECTIONS, Kernel, KernelSet
 from .threads import thread_count
 
 LANES_OF_XLA = 512
@@ -341,7 +342,8 @@ def _choose(wanted: Request, values: list, varied: list[int]):
             ),
         )
     key = wanted.structure, wanted.ledger, wanted.sampled
-    kernels = _kernels(*key, tuple(possible), bool(varied))
+    certain = not isinstance(models, Tracer)
+    kernels = _kernels(*key, tuple(possible), bool(varied), certain)
     if kernels is None:
         return None
     program = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
@@ -400,16 +402,45 @@ def _kernels(
     sampled: bool,
     possible: tuple[int, ...],
     varied: bool,
+    certain: bool,
 ) -> KernelSet | None:
-    key = structure, ledger, sampled, possible, varied
+    """Return the kernels of models that lanes are `certain` to need; or of which the
+    most general one without dashpots is compiled at once, and the others when a lane
+    needs them."""
+    key = structure, ledger, sampled, possible, varied, certain
     if key not in _kernel_sets:
         assemblies = [Assembly(structure, MODELS[k], ledger) for k in possible]
-        compiled = compile_side_by_side(assemblies, varied, sampled)
-        kernels = [kernel for kernel in compiled if kernel is not None]
-        if len(kernels) < len(assemblies):
+        at_once = assemblies
+        # A user's dashpots might have no machine code, which must be known now.
+        if not (certain or users_code(_damping_of(structure))):
+            undamped = [one for one in assemblies if not one.model.damped]
+            at_once = (undamped or assemblies)[-1:]
+        compiled = compile_side_by_side(at_once, varied, sampled)
+        if None in compiled:
             return None
-        _kernel_sets[key] = KernelSet(kernels)
+        ready = dict(zip(at_once, compiled, strict=True))
+        _kernel_sets[key] = KernelSet(
+            [
+                ready.get(one) or functools.partial(_compile_later, key, one)
+                for one in assemblies
+            ]
+        )
     return _kernel_sets[key]
+
+
+def _damping_of(structure):
+    return jax.tree.unflatten(structure, range(structure.num_leaves)).soil.damping
+
+
+def _compile_later(key: tuple, assembly: Assembly) -> Kernel:
+    _, _, sampled, _, varied, _ = key
+    (kernel,) = compile_side_by_side([assembly], varied, sampled)
+    if key not in _kernel_sets:
+        # Its other kernels are of the laws as they were.
+        raise IncompleteError("a law was edited since JAX compiled this; call it again")
+    if kernel is None:
+        raise IncompleteError(f"the {assembly.model.name} model has none")
+    return kernel
 
 
 def _by_xla(

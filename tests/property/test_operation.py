@@ -27,6 +27,7 @@ from jaximpact.backend.threads import thread_count
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS, PLANAR, exact_models
 from jaximpact.impact.results import Solution
+from jaximpact.laws import DampingRatios, DuncanChang, Perzyna
 from jaximpact.shapes import Ellipsoid
 
 pytestmark = pytest.mark.slow
@@ -215,6 +216,89 @@ def test_of_threads_that_ask_at_once_one_compiles():
     assert len(asked) == 2
     assert {*asked} == {one, other}
     assert len(found) == 2
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """Names of the models that are compiled, from now on."""
+    names = []
+
+    def compile_and_note(assemblies, *how):
+        names.extend(assembly.model.name for assembly in assemblies)
+        return machine.compile_side_by_side(assemblies, *how)
+
+    monkeypatch.setattr(rows, "_kernel_sets", {})
+    monkeypatch.setattr(rows, "compile_side_by_side", compile_and_note)
+    return names
+
+
+def own_law(factor: float) -> Perzyna:
+    """A law that no other test has: operations of JAX are there for good."""
+
+    class Faster(Perzyna):
+        def flow_size(self, load, hardening, foundation, branch):
+            size = super().flow_size(load, hardening, foundation, branch)
+            return factor * size
+
+    return Faster()
+
+
+def e_n_of_any(flow, angle, damping_ratio=0.0, k_E=900.0):
+    ratios = DampingRatios(damping_ratio, damping_ratio, damping_ratio)
+    soil = Soil(flow=flow, damping=ratios, elasticity=DuncanChang(k_E=k_E))
+    scene = Scene(Block(aspect_ratio=2.0), soil, Impact(angle=angle))
+    return simulate(scene, ledger=False).e_n
+
+
+OBLIQUE, NONE = np.linspace(0.1, 0.7, 4), np.zeros(4)
+
+
+def test_a_traced_scene_compiles_the_models_that_lanes_need(compiled):
+    e_n = functools.partial(e_n_of_any, own_law(1.01))
+    many = jax.jit(jax.vmap(e_n))
+    first = many(OBLIQUE, NONE)
+    assert compiled == ["planar"]
+    with concurrent.futures.ThreadPoolExecutor(3) as pool:
+        vertical = list(pool.map(many, [NONE] * 3, [NONE] * 3))
+    assert compiled == ["planar", "vertical"]
+    mixed = many(np.where(np.arange(4) < 2, OBLIQUE, 0.0), NONE + 0.1)
+    assert sorted(compiled[2:]) == ["planar, with dashpots", "vertical, with dashpot"]
+    for found, angle, ratio in (
+        (first[0], 0.1, 0.0),
+        *((of_thread[3], 0.0, 0.0) for of_thread in vertical),
+        (mixed[0], 0.1, 0.1),
+        (mixed[3], 0.0, 0.1),
+    ):
+        assert found == e_n(angle, ratio)
+
+
+def test_derivatives_too_compile_the_models_that_lanes_need(compiled):
+    slope = jax.grad(functools.partial(e_n_of_any, own_law(1.02)), argnums=2)
+    many = jax.jit(jax.vmap(lambda angle, k_E: slope(angle, 0.0, k_E)))
+    stiffness = np.linspace(800.0, 900.0, 4)
+    oblique = many(OBLIQUE, stiffness)
+    assert compiled == ["planar"]
+    vertical = many(NONE, stiffness)
+    assert compiled == ["planar", "vertical"]
+    assert oblique[0] == slope(0.1, 0.0, 800.0)
+    assert vertical[0] == slope(0.0, 0.0, 800.0)
+
+
+def test_machine_code_that_is_not_to_be_had_when_lanes_need_it(compiled, monkeypatch):
+    many = jax.jit(jax.vmap(functools.partial(e_n_of_any, own_law(1.03))))
+    expected = many(OBLIQUE, NONE)
+
+    def interrupted(assemblies, *how):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(rows, "compile_side_by_side", interrupted)
+        with pytest.raises(Exception, match="no machine code, which lanes need: Key"):
+            jax.block_until_ready(many(NONE, NONE))
+    rows._kernel_sets.clear()  # as an edit does
+    with pytest.raises(Exception, match="a law was edited since"):
+        jax.block_until_ready(many(NONE, NONE))
+    assert np.array_equal(many(OBLIQUE, NONE), expected)
 
 
 def test_a_lane_that_is_no_number_leaves_the_others_alone(scenes, expected):

@@ -56,6 +56,14 @@ typedef struct {
 typedef struct {
     int64_t count; /* of the programs */
     Program programs[PROGRAMS];
+    /* Not zero for a program that is compiled when the first lane needs it: until then it
+     * has no functions. */
+    int64_t waiting[PROGRAMS];
+    /* Compiles a program that is waiting, and puts it in its place. Python's; more than
+     * one thread may call it at once. Returns 1, else `problem` says what is wrong: where
+     * an exception stops it, it returns 0. */
+    int64_t (*make_ready)(int64_t place);
+    const char *problem;
     /* Operands are `leaves` inputs that all lanes have in common, tolerance and floor
      * among them; the places of those that lanes have of their own, and one operand for
      * each of these; the effort and the program of a lane; with `directions` the inputs
@@ -92,7 +100,7 @@ typedef struct {
 } Course;
 
 typedef struct {
-    const Operation *operation;
+    Operation *operation;
     int64_t axes, dims[AXES], lanes;
     int64_t threads; /* at most so many */
     int64_t each, shares; /* directions of a column, and columns that a lane has for all */
@@ -105,6 +113,7 @@ typedef struct {
     Turn *turns;    /* columns to fill, by program, those that take longest first */
     int64_t next[PROGRAMS], end[PROGRAMS];
     int out_of_memory;
+    int not_ready; /* a program that lanes need */
 } Job;
 
 extern uint64_t enter_float_mode(void); /* no flushing of small numbers to zero */
@@ -399,17 +408,25 @@ static void share_out(Job *job)
     job->shares = (directions + job->each - 1) / job->each;
 }
 
-/* Computes all lanes of a job, whose results have memory. */
-static void compute(Job *job)
+/* Makes the programs ready that lanes need; 0 if one cannot be. */
+static int make_ready(Job *job)
 {
-    share_out(job);
-    int64_t count = job->lanes * job->shares;
-    job->turns = malloc(sizeof(Turn) * count);
-    if (!job->turns) {
-        job->out_of_memory = 1;
-        return;
+    Operation *all = job->operation;
+    for (int64_t place = 0; place < all->count; place++) {
+        if (job->next[place] == job->end[place] ||
+            !__atomic_load_n(&all->waiting[place], __ATOMIC_ACQUIRE))
+            continue;
+        if (all->make_ready(place) != 1) {
+            job->not_ready = 1;
+            return 0;
+        }
+        __atomic_store_n(&all->waiting[place], 0, __ATOMIC_RELEASE);
     }
-    arrange(job);
+    return 1;
+}
+
+static void compute_turns(Job *job, int64_t count)
+{
     int64_t threads = (count + PACK - 1) / PACK, started = 1;
     if (threads > job->threads)
         threads = job->threads;
@@ -424,13 +441,28 @@ static void compute(Job *job)
     for (int64_t k = 1; k < started; k++)
         await_end(job->operation, thread[k]);
     free(thread);
+}
+
+/* Computes all lanes of a job, whose results have memory. */
+static void compute(Job *job)
+{
+    share_out(job);
+    int64_t count = job->lanes * job->shares;
+    job->turns = malloc(sizeof(Turn) * count);
+    if (!job->turns) {
+        job->out_of_memory = 1;
+        return;
+    }
+    arrange(job);
+    if (make_ready(job))
+        compute_turns(job, count);
     free(job->turns);
 }
 
 /* ---- For Python: matrices with one column a lane. */
 
 typedef struct {
-    const Operation *operation;
+    Operation *operation;
     int64_t lanes, threads, own_inputs, times;
     const double *common, *places; /* as the operands of the handler */
     const double *own;             /* a row for each of the places */
@@ -441,12 +473,12 @@ typedef struct {
     Course *course;
 } Rows;
 
-/* Returns 0, or 1 if there is too little memory. */
+/* Returns 0, or 1 if there is too little memory. No program may be waiting. */
 int64_t compute_rows(const Rows *rows)
 {
     if (!rows->lanes)
         return 0;
-    const Operation *all = rows->operation;
+    Operation *all = rows->operation;
     int64_t own = rows->own_inputs, count = all->programs[0].result_rows;
     int64_t sampled = rows->course ? 0 : all->programs[0].sampled_rows;
     Operand common = {rows->common, {0}}, places = {rows->places, {0}};
@@ -485,6 +517,7 @@ int64_t compute_rows(const Rows *rows)
 #define EXTENSION_METADATA 1
 #define INVALID_ARGUMENT 3
 #define RESOURCE_EXHAUSTED 8
+#define FAILED_PRECONDITION 9
 
 typedef void *Create(void *arguments);
 
@@ -585,6 +618,9 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
         job->out_of_memory = 1;
     }
     free(outputs);
+    if (job->not_ready)
+        return error(frame, FAILED_PRECONDITION,
+                     operation.problem ? operation.problem : "jaximpact: interrupted");
     if (job->out_of_memory)
         return error(frame, RESOURCE_EXHAUSTED, "jaximpact: out of memory");
     return NULL;

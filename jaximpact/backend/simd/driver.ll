@@ -1,9 +1,9 @@
-; Made from driver.c by 'make driver'; sha256 c04792c7ffb16a52baf721f30cb3b9d7f1e46a020c5fb1eb641f0f6cf352f1f6
+; Made from driver.c by 'make driver'; sha256 464bcaf6902c622a775b4331e81afa427338abde12b9eca7dcf27d1d1b337b14
 
-%struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
+%struct.Operation = type { i64, [32 x %struct.Program], [32 x i64], ptr, ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
 %struct.Operand = type { ptr, [24 x i64] }
-%struct.Job = type { ptr, i64, [24 x i64], i64, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, i64, ptr, ptr, [32 x i64], [32 x i64], i32 }
+%struct.Job = type { ptr, i64, [24 x i64], i64, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, i64, ptr, ptr, [32 x i64], [32 x i64], i32, i32 }
 %struct.Rows = type { ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr }
 %struct.Turn = type { double, i64, i64 }
 %struct.anon = type { i64, ptr, ptr, i32 }
@@ -17,9 +17,10 @@
 @.str.3 = private unnamed_addr constant [41 x i8] c"jaximpact: operands differ in their axes\00", align 1
 @.str.4 = private unnamed_addr constant [36 x i8] c"jaximpact: a wrong number of inputs\00", align 1
 @.str.5 = private unnamed_addr constant [61 x i8] c"jaximpact: a result is not float64 of the shape of the lanes\00", align 1
-@.str.6 = private unnamed_addr constant [63 x i8] c"jaximpact computes in float64, but an operand has another type\00", align 1
-@.str.7 = private unnamed_addr constant [70 x i8] c"jaximpact: impacts take arrays of at most 24 axes, with those of vmap\00", align 1
-@.str.8 = private unnamed_addr constant [37 x i8] c"jaximpact: operands do not broadcast\00", align 1
+@.str.6 = private unnamed_addr constant [23 x i8] c"jaximpact: interrupted\00", align 1
+@.str.7 = private unnamed_addr constant [63 x i8] c"jaximpact computes in float64, but an operand has another type\00", align 1
+@.str.8 = private unnamed_addr constant [70 x i8] c"jaximpact: impacts take arrays of at most 24 axes, with those of vmap\00", align 1
+@.str.9 = private unnamed_addr constant [37 x i8] c"jaximpact: operands do not broadcast\00", align 1
 
 define dso_local i64 @compute_rows(ptr nocapture noundef readonly %0) local_unnamed_addr {
   %2 = alloca %struct.Operand, align 8
@@ -241,7 +242,7 @@ declare void @llvm.lifetime.end.p0(i64 immarg, ptr nocapture)
 
 define internal fastcc void @compute(ptr noundef %0) unnamed_addr {
   %2 = load ptr, ptr %0, align 8
-  %3 = getelementptr inbounds %struct.Operation, ptr %2, i64 0, i32 3
+  %3 = getelementptr inbounds %struct.Operation, ptr %2, i64 0, i32 6
   %4 = load i64, ptr %3, align 8
   %5 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 3
   %6 = load i64, ptr %5, align 8
@@ -278,7 +279,7 @@ define internal fastcc void @compute(ptr noundef %0) unnamed_addr {
 26:
   %27 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
   store i32 1, ptr %27, align 8
-  br label %212
+  br label %243
 
 28:
   %29 = load i64, ptr %2, align 8
@@ -450,104 +451,157 @@ define internal fastcc void @compute(ptr noundef %0) unnamed_addr {
   br i1 %146, label %35, label %147
 
 147:
-  %148 = add nsw i64 %21, 7
-  %149 = sdiv i64 %148, 8
-  %150 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 4
-  %151 = load i64, ptr %150, align 8
-  %152 = tail call i64 @llvm.smin.i64(i64 %149, i64 %151)
-  %153 = icmp sgt i64 %152, 1
-  br i1 %153, label %154, label %157
+  %148 = load ptr, ptr %0, align 8
+  %149 = load i64, ptr %148, align 8
+  %150 = icmp slt i64 %149, 1
+  br i1 %150, label %176, label %151
 
-154:
-  %155 = shl i64 %152, 3
-  %156 = tail call noalias ptr @malloc(i64 noundef %155)
-  br label %157
+151:
+  %152 = getelementptr inbounds %struct.Operation, ptr %148, i64 0, i32 3
+  br label %153
 
-157:
-  %158 = phi ptr [ %156, %154 ], [ null, %147 ]
-  %159 = icmp ne ptr %158, null
-  %160 = icmp sgt i64 %152, 1
-  %161 = select i1 %159, i1 %160, i1 false
-  br i1 %161, label %162, label %185
+153:
+  %154 = phi i1 [ false, %151 ], [ %175, %172 ]
+  %155 = phi i64 [ 0, %151 ], [ %173, %172 ]
+  %156 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 19, i64 %155
+  %157 = load i64, ptr %156, align 8
+  %158 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 20, i64 %155
+  %159 = load i64, ptr %158, align 8
+  %160 = icmp eq i64 %157, %159
+  br i1 %160, label %172, label %161
 
-162:
-  %163 = phi i64 [ %183, %182 ], [ 1, %157 ]
-  %164 = getelementptr inbounds i64, ptr %158, i64 %163
-  %165 = load ptr, ptr %0, align 8
-  %166 = getelementptr inbounds %struct.Operation, ptr %165, i64 0, i32 6
-  %167 = load ptr, ptr %166, align 8
-  %168 = icmp eq ptr %167, null
-  br i1 %168, label %172, label %169
+161:
+  %162 = getelementptr inbounds %struct.Operation, ptr %148, i64 0, i32 2, i64 %155
+  %163 = load atomic i64, ptr %162 acquire, align 8
+  %164 = icmp eq i64 %163, 0
+  br i1 %164, label %172, label %165
+
+165:
+  %166 = load ptr, ptr %152, align 8
+  %167 = tail call i64 %166(i64 noundef %155)
+  %168 = icmp eq i64 %167, 1
+  br i1 %168, label %171, label %169
 
 169:
-  %170 = tail call i32 %167(ptr noundef nonnull %164, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %0)
-  %171 = icmp eq i32 %170, 0
-  br label %180
+  %170 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 22
+  store i32 1, ptr %170, align 4
+  br label %176
+
+171:
+  store atomic i64 0, ptr %162 release, align 8
+  br label %172
 
 172:
-  %173 = getelementptr inbounds %struct.Operation, ptr %165, i64 0, i32 8
-  %174 = load ptr, ptr %173, align 8
-  %175 = icmp eq ptr %174, null
-  br i1 %175, label %185, label %176
+  %173 = add nuw nsw i64 %155, 1
+  %174 = load i64, ptr %148, align 8
+  %175 = icmp sge i64 %173, %174
+  br i1 %175, label %176, label %153
 
 176:
-  %177 = tail call ptr %174(ptr noundef null, i64 noundef 0, ptr noundef nonnull @work_on_windows, ptr noundef nonnull %0, i32 noundef 0, ptr noundef null)
-  %178 = ptrtoint ptr %177 to i64
-  store i64 %178, ptr %164, align 8
-  %179 = icmp ne ptr %177, null
-  br label %180
+  %177 = phi i1 [ %154, %169 ], [ %150, %147 ], [ %175, %172 ]
+  br i1 %177, label %178, label %241
 
-180:
-  %181 = phi i1 [ %171, %169 ], [ %179, %176 ]
-  br i1 %181, label %182, label %185
-
-182:
-  %183 = add nuw nsw i64 %163, 1
-  %184 = icmp eq i64 %183, %152
-  br i1 %184, label %185, label %162
+178:
+  %179 = add nsw i64 %21, 7
+  %180 = sdiv i64 %179, 8
+  %181 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 4
+  %182 = load i64, ptr %181, align 8
+  %183 = tail call i64 @llvm.smin.i64(i64 %180, i64 %182)
+  %184 = icmp sgt i64 %183, 1
+  br i1 %184, label %185, label %188
 
 185:
-  %186 = phi i64 [ 1, %157 ], [ %163, %172 ], [ %163, %180 ], [ %183, %182 ]
-  %187 = tail call ptr @work(ptr noundef nonnull %0)
-  %188 = icmp ugt i64 %186, 1
-  br i1 %188, label %191, label %189
+  %186 = shl i64 %183, 3
+  %187 = tail call noalias ptr @malloc(i64 noundef %186)
+  br label %188
 
-189:
-  tail call void @free(ptr noundef %158)
-  %190 = load ptr, ptr %24, align 8
-  tail call void @free(ptr noundef %190)
-  br label %212
+188:
+  %189 = phi ptr [ %187, %185 ], [ null, %178 ]
+  %190 = icmp ne ptr %189, null
+  %191 = and i1 %184, %190
+  br i1 %191, label %192, label %215
 
-191:
-  %192 = phi i64 [ %210, %209 ], [ 1, %185 ]
-  %193 = load ptr, ptr %0, align 8
-  %194 = getelementptr inbounds i64, ptr %158, i64 %192
-  %195 = load i64, ptr %194, align 8
-  %196 = getelementptr inbounds %struct.Operation, ptr %193, i64 0, i32 7
+192:
+  %193 = phi i64 [ %213, %212 ], [ 1, %188 ]
+  %194 = getelementptr inbounds i64, ptr %189, i64 %193
+  %195 = load ptr, ptr %0, align 8
+  %196 = getelementptr inbounds %struct.Operation, ptr %195, i64 0, i32 9
   %197 = load ptr, ptr %196, align 8
   %198 = icmp eq ptr %197, null
-  br i1 %198, label %201, label %199
+  br i1 %198, label %202, label %199
 
 199:
-  %200 = tail call i32 %197(i64 noundef %195, ptr noundef null)
-  br label %209
+  %200 = tail call i32 %197(ptr noundef nonnull %194, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %0)
+  %201 = icmp eq i32 %200, 0
+  br label %210
 
-201:
-  %202 = getelementptr inbounds %struct.Operation, ptr %193, i64 0, i32 9
-  %203 = load ptr, ptr %202, align 8
-  %204 = inttoptr i64 %195 to ptr
-  %205 = tail call i32 %203(ptr noundef %204, i32 noundef -1)
-  %206 = getelementptr inbounds %struct.Operation, ptr %193, i64 0, i32 10
-  %207 = load ptr, ptr %206, align 8
-  %208 = tail call i32 %207(ptr noundef %204)
-  br label %209
+202:
+  %203 = getelementptr inbounds %struct.Operation, ptr %195, i64 0, i32 11
+  %204 = load ptr, ptr %203, align 8
+  %205 = icmp eq ptr %204, null
+  br i1 %205, label %215, label %206
 
-209:
-  %210 = add nuw nsw i64 %192, 1
-  %211 = icmp eq i64 %210, %186
-  br i1 %211, label %189, label %191
+206:
+  %207 = tail call ptr %204(ptr noundef null, i64 noundef 0, ptr noundef nonnull @work_on_windows, ptr noundef nonnull %0, i32 noundef 0, ptr noundef null)
+  %208 = ptrtoint ptr %207 to i64
+  store i64 %208, ptr %194, align 8
+  %209 = icmp ne ptr %207, null
+  br label %210
+
+210:
+  %211 = phi i1 [ %201, %199 ], [ %209, %206 ]
+  br i1 %211, label %212, label %215
 
 212:
+  %213 = add nuw nsw i64 %193, 1
+  %214 = icmp eq i64 %213, %183
+  br i1 %214, label %215, label %192
+
+215:
+  %216 = phi i64 [ 1, %188 ], [ %193, %202 ], [ %193, %210 ], [ %213, %212 ]
+  %217 = tail call ptr @work(ptr noundef nonnull %0)
+  %218 = icmp ugt i64 %216, 1
+  br i1 %218, label %219, label %240
+
+219:
+  %220 = phi i64 [ %238, %237 ], [ 1, %215 ]
+  %221 = load ptr, ptr %0, align 8
+  %222 = getelementptr inbounds i64, ptr %189, i64 %220
+  %223 = load i64, ptr %222, align 8
+  %224 = getelementptr inbounds %struct.Operation, ptr %221, i64 0, i32 10
+  %225 = load ptr, ptr %224, align 8
+  %226 = icmp eq ptr %225, null
+  br i1 %226, label %229, label %227
+
+227:
+  %228 = tail call i32 %225(i64 noundef %223, ptr noundef null)
+  br label %237
+
+229:
+  %230 = getelementptr inbounds %struct.Operation, ptr %221, i64 0, i32 12
+  %231 = load ptr, ptr %230, align 8
+  %232 = inttoptr i64 %223 to ptr
+  %233 = tail call i32 %231(ptr noundef %232, i32 noundef -1)
+  %234 = getelementptr inbounds %struct.Operation, ptr %221, i64 0, i32 13
+  %235 = load ptr, ptr %234, align 8
+  %236 = tail call i32 %235(ptr noundef %232)
+  br label %237
+
+237:
+  %238 = add nuw nsw i64 %220, 1
+  %239 = icmp eq i64 %238, %216
+  br i1 %239, label %240, label %219
+
+240:
+  tail call void @free(ptr noundef %189)
+  br label %241
+
+241:
+  %242 = load ptr, ptr %24, align 8
+  tail call void @free(ptr noundef %242)
+  br label %243
+
+243:
   ret void
 }
 
@@ -562,506 +616,562 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %7 = alloca %struct.anon, align 8
   %8 = alloca %struct.anon, align 8
   %9 = alloca %struct.anon, align 8
-  %10 = alloca %struct.Job, align 8
-  %11 = getelementptr inbounds i8, ptr %0, i64 8
-  %12 = load ptr, ptr %11, align 8
-  %13 = icmp eq ptr %12, null
-  br i1 %13, label %23, label %14
+  %10 = alloca %struct.anon, align 8
+  %11 = alloca %struct.Job, align 8
+  %12 = getelementptr inbounds i8, ptr %0, i64 8
+  %13 = load ptr, ptr %12, align 8
+  %14 = icmp eq ptr %13, null
+  br i1 %14, label %24, label %15
 
-14:
-  %15 = getelementptr inbounds i8, ptr %12, i64 8
-  %16 = load i32, ptr %15, align 4
-  %17 = icmp eq i32 %16, 1
-  br i1 %17, label %18, label %23
+15:
+  %16 = getelementptr inbounds i8, ptr %13, i64 8
+  %17 = load i32, ptr %16, align 4
+  %18 = icmp eq i32 %17, 1
+  br i1 %18, label %19, label %24
 
-18:
-  %19 = getelementptr inbounds i8, ptr %12, i64 24
-  %20 = load ptr, ptr %19, align 8
-  %21 = getelementptr inbounds i8, ptr %20, i64 24
-  store i32 0, ptr %21, align 4
-  %22 = getelementptr inbounds i8, ptr %20, i64 28
-  store i32 1, ptr %22, align 4
-  br label %326
+19:
+  %20 = getelementptr inbounds i8, ptr %13, i64 24
+  %21 = load ptr, ptr %20, align 8
+  %22 = getelementptr inbounds i8, ptr %21, i64 24
+  store i32 0, ptr %22, align 4
+  %23 = getelementptr inbounds i8, ptr %21, i64 28
+  store i32 1, ptr %23, align 4
+  br label %343
 
-23:
-  %24 = getelementptr inbounds i8, ptr %0, i64 56
-  %25 = load i64, ptr %24, align 8
-  %26 = add nsw i64 %25, -4
-  %27 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %28 = icmp sgt i64 %27, 0
-  %29 = sext i1 %28 to i64
-  %30 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
-  %31 = sub i64 %26, %30
-  %32 = add i64 %31, %29
-  %33 = icmp slt i64 %32, 0
-  br i1 %33, label %34, label %43
+24:
+  %25 = getelementptr inbounds i8, ptr %0, i64 56
+  %26 = load i64, ptr %25, align 8
+  %27 = add nsw i64 %26, -4
+  %28 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
+  %29 = icmp sgt i64 %28, 0
+  %30 = sext i1 %29 to i64
+  %31 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
+  %32 = sub i64 %27, %31
+  %33 = add i64 %32, %30
+  %34 = icmp slt i64 %33, 0
+  br i1 %34, label %35, label %44
 
-34:
+35:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %10)
+  store i64 32, ptr %10, align 8
+  %36 = getelementptr inbounds %struct.anon, ptr %10, i64 0, i32 1
+  store ptr null, ptr %36, align 8
+  %37 = getelementptr inbounds %struct.anon, ptr %10, i64 0, i32 2
+  store ptr @.str, ptr %37, align 8
+  %38 = getelementptr inbounds %struct.anon, ptr %10, i64 0, i32 3
+  store i32 3, ptr %38, align 8
+  %39 = getelementptr inbounds i8, ptr %0, i64 16
+  %40 = load ptr, ptr %39, align 8
+  %41 = getelementptr inbounds i8, ptr %40, i64 48
+  %42 = load ptr, ptr %41, align 8
+  %43 = call ptr %42(ptr noundef nonnull %10)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %10)
+  br label %343
+
+44:
+  %45 = mul i64 %26, 200
+  %46 = tail call noalias ptr @malloc(i64 noundef %45)
+  %47 = icmp eq ptr %46, null
+  br i1 %47, label %48, label %57
+
+48:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %9)
   store i64 32, ptr %9, align 8
-  %35 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 1
-  store ptr null, ptr %35, align 8
-  %36 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 2
-  store ptr @.str, ptr %36, align 8
-  %37 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 3
-  store i32 3, ptr %37, align 8
-  %38 = getelementptr inbounds i8, ptr %0, i64 16
-  %39 = load ptr, ptr %38, align 8
-  %40 = getelementptr inbounds i8, ptr %39, i64 48
-  %41 = load ptr, ptr %40, align 8
-  %42 = call ptr %41(ptr noundef nonnull %9)
+  %49 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 1
+  store ptr null, ptr %49, align 8
+  %50 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 2
+  store ptr @.str.1, ptr %50, align 8
+  %51 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 3
+  store i32 8, ptr %51, align 8
+  %52 = getelementptr inbounds i8, ptr %0, i64 16
+  %53 = load ptr, ptr %52, align 8
+  %54 = getelementptr inbounds i8, ptr %53, i64 48
+  %55 = load ptr, ptr %54, align 8
+  %56 = call ptr %55(ptr noundef nonnull %9)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %9)
-  br label %326
+  br label %343
 
-43:
-  %44 = mul i64 %25, 200
-  %45 = tail call noalias ptr @malloc(i64 noundef %44)
-  %46 = icmp eq ptr %45, null
-  br i1 %46, label %47, label %56
+57:
+  call void @llvm.lifetime.start.p0(i64 856, ptr nonnull %11)
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(856) %11, i8 0, i64 856, i1 false)
+  store ptr @operation, ptr %11, align 8
+  %58 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 4
+  %59 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 8), align 8
+  store i64 %59, ptr %58, align 8
+  %60 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 7
+  store i64 %33, ptr %60, align 8
+  %61 = getelementptr inbounds i8, ptr %0, i64 72
+  %62 = load ptr, ptr %61, align 8
+  %63 = getelementptr inbounds i8, ptr %0, i64 112
+  %64 = load ptr, ptr %63, align 8
+  %65 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 7), align 8
+  %66 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 14), align 8
+  %67 = getelementptr inbounds i8, ptr %0, i64 96
+  %68 = load i64, ptr %67, align 8
+  %69 = add nsw i64 %66, %65
+  %70 = icmp eq i64 %68, %69
+  br i1 %70, label %91, label %71
 
-47:
+71:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %8)
   store i64 32, ptr %8, align 8
-  %48 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 1
-  store ptr null, ptr %48, align 8
-  %49 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 2
-  store ptr @.str.1, ptr %49, align 8
-  %50 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 3
-  store i32 8, ptr %50, align 8
-  %51 = getelementptr inbounds i8, ptr %0, i64 16
-  %52 = load ptr, ptr %51, align 8
-  %53 = getelementptr inbounds i8, ptr %52, i64 48
-  %54 = load ptr, ptr %53, align 8
-  %55 = call ptr %54(ptr noundef nonnull %8)
+  %72 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 1
+  store ptr null, ptr %72, align 8
+  %73 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 2
+  store ptr @.str.2, ptr %73, align 8
+  %74 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 3
+  store i32 3, ptr %74, align 8
+  %75 = getelementptr inbounds i8, ptr %0, i64 16
+  %76 = load ptr, ptr %75, align 8
+  %77 = getelementptr inbounds i8, ptr %76, i64 48
+  %78 = load ptr, ptr %77, align 8
+  %79 = call ptr %78(ptr noundef nonnull %8)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %8)
-  br label %326
+  br label %341
 
-56:
-  call void @llvm.lifetime.start.p0(i64 856, ptr nonnull %10)
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(856) %10, i8 0, i64 856, i1 false)
-  store ptr @operation, ptr %10, align 8
-  %57 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 4
-  %58 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
-  store i64 %58, ptr %57, align 8
-  %59 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 7
-  store i64 %32, ptr %59, align 8
-  %60 = getelementptr inbounds i8, ptr %0, i64 72
-  %61 = load ptr, ptr %60, align 8
-  %62 = getelementptr inbounds i8, ptr %0, i64 112
-  %63 = load ptr, ptr %62, align 8
-  %64 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 7), align 8
-  %65 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 14), align 8
-  %66 = getelementptr inbounds i8, ptr %0, i64 96
-  %67 = load i64, ptr %66, align 8
-  %68 = add nsw i64 %65, %64
-  %69 = icmp eq i64 %67, %68
-  br i1 %69, label %90, label %70
+80:
+  %81 = icmp sgt i64 %26, 0
+  br i1 %81, label %82, label %180
 
-70:
-  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %7)
-  store i64 32, ptr %7, align 8
-  %71 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 1
-  store ptr null, ptr %71, align 8
-  %72 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 2
-  store ptr @.str.2, ptr %72, align 8
-  %73 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 3
-  store i32 3, ptr %73, align 8
-  %74 = getelementptr inbounds i8, ptr %0, i64 16
-  %75 = load ptr, ptr %74, align 8
-  %76 = getelementptr inbounds i8, ptr %75, i64 48
-  %77 = load ptr, ptr %76, align 8
-  %78 = call ptr %77(ptr noundef nonnull %7)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %7)
-  br label %324
+82:
+  %83 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 1
+  %84 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 1
+  %85 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 2
+  %86 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 3
+  %87 = getelementptr inbounds i8, ptr %0, i64 16
+  %88 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 1
+  %89 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 2
+  %90 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 3
+  br label %100
 
-79:
-  %80 = icmp sgt i64 %25, 0
-  br i1 %80, label %81, label %179
+91:
+  %92 = phi i64 [ %94, %91 ], [ 0, %57 ]
+  %93 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 2, i64 %92
+  store i64 1, ptr %93, align 8
+  %94 = add nuw nsw i64 %92, 1
+  %95 = icmp eq i64 %94, 24
+  br i1 %95, label %80, label %91
 
-81:
-  %82 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1
-  %83 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 1
-  %84 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 2
-  %85 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 3
-  %86 = getelementptr inbounds i8, ptr %0, i64 16
-  %87 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 1
-  %88 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 2
-  %89 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 3
-  br label %99
+96:
+  %97 = add nuw nsw i64 %104, 1
+  %98 = icmp slt i64 %97, %26
+  %99 = icmp eq i64 %97, %26
+  br i1 %99, label %180, label %100
 
-90:
-  %91 = phi i64 [ %93, %90 ], [ 0, %56 ]
-  %92 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 2, i64 %91
-  store i64 1, ptr %92, align 8
-  %93 = add nuw nsw i64 %91, 1
-  %94 = icmp eq i64 %93, 24
-  br i1 %94, label %79, label %90
+100:
+  %101 = phi i1 [ true, %82 ], [ %98, %96 ]
+  %102 = phi ptr [ undef, %82 ], [ %179, %96 ]
+  %103 = phi i64 [ -1, %82 ], [ %178, %96 ]
+  %104 = phi i64 [ 0, %82 ], [ %97, %96 ]
+  %105 = icmp ult i64 %104, 2
+  %106 = load i64, ptr %60, align 8
+  %107 = add nsw i64 %106, 4
+  %108 = icmp sge i64 %104, %107
+  %109 = select i1 %105, i1 true, i1 %108
+  %110 = zext i1 %109 to i64
+  %111 = getelementptr inbounds ptr, ptr %62, i64 %104
+  %112 = load ptr, ptr %111, align 8
+  %113 = getelementptr inbounds %struct.Operand, ptr %46, i64 %104
+  %114 = getelementptr inbounds i8, ptr %112, i64 32
+  %115 = load i64, ptr %114, align 8
+  %116 = getelementptr inbounds i8, ptr %112, i64 40
+  %117 = load ptr, ptr %116, align 8
+  %118 = getelementptr inbounds i8, ptr %112, i64 16
+  %119 = load i32, ptr %118, align 4
+  %120 = icmp eq i32 %119, 12
+  br i1 %120, label %121, label %156
 
-95:
-  %96 = add nuw nsw i64 %103, 1
-  %97 = icmp slt i64 %96, %25
-  %98 = icmp eq i64 %96, %25
-  br i1 %98, label %179, label %99
+121:
+  %122 = icmp slt i64 %115, %110
+  br i1 %122, label %156, label %123
 
-99:
-  %100 = phi i1 [ true, %81 ], [ %97, %95 ]
-  %101 = phi ptr [ undef, %81 ], [ %178, %95 ]
-  %102 = phi i64 [ -1, %81 ], [ %177, %95 ]
-  %103 = phi i64 [ 0, %81 ], [ %96, %95 ]
-  %104 = icmp ult i64 %103, 2
-  %105 = load i64, ptr %59, align 8
-  %106 = add nsw i64 %105, 4
-  %107 = icmp sge i64 %103, %106
-  %108 = select i1 %104, i1 true, i1 %107
-  %109 = zext i1 %108 to i64
-  %110 = getelementptr inbounds ptr, ptr %61, i64 %103
-  %111 = load ptr, ptr %110, align 8
-  %112 = getelementptr inbounds %struct.Operand, ptr %45, i64 %103
-  %113 = getelementptr inbounds i8, ptr %111, i64 32
-  %114 = load i64, ptr %113, align 8
-  %115 = getelementptr inbounds i8, ptr %111, i64 40
-  %116 = load ptr, ptr %115, align 8
-  %117 = getelementptr inbounds i8, ptr %111, i64 16
-  %118 = load i32, ptr %117, align 4
-  %119 = icmp eq i32 %118, 12
-  br i1 %119, label %120, label %155
+123:
+  %124 = sub nsw i64 %115, %110
+  %125 = icmp sgt i64 %124, 24
+  br i1 %125, label %156, label %126
 
-120:
-  %121 = icmp slt i64 %114, %109
-  br i1 %121, label %155, label %122
+126:
+  %127 = getelementptr inbounds i8, ptr %112, i64 24
+  %128 = load ptr, ptr %127, align 8
+  store ptr %128, ptr %113, align 8
+  store i64 %124, ptr %83, align 8
+  %129 = icmp slt i64 %115, 1
+  br i1 %129, label %156, label %130
 
-122:
-  %123 = sub nsw i64 %114, %109
-  %124 = icmp sgt i64 %123, 24
-  br i1 %124, label %155, label %125
+130:
+  %131 = phi i64 [ %133, %151 ], [ %115, %126 ]
+  %132 = phi i64 [ %154, %151 ], [ 1, %126 ]
+  %133 = add nsw i64 %131, -1
+  %134 = load i64, ptr %83, align 8
+  %135 = icmp sgt i64 %131, %134
+  br i1 %135, label %151, label %136
 
-125:
-  %126 = getelementptr inbounds i8, ptr %111, i64 24
-  %127 = load ptr, ptr %126, align 8
-  store ptr %127, ptr %112, align 8
-  store i64 %123, ptr %82, align 8
-  %128 = icmp slt i64 %114, 1
-  br i1 %128, label %155, label %129
+136:
+  %137 = getelementptr inbounds i64, ptr %117, i64 %133
+  %138 = load i64, ptr %137, align 8
+  %139 = icmp eq i64 %138, 1
+  %140 = select i1 %139, i64 0, i64 %132
+  %141 = getelementptr inbounds %struct.Operand, ptr %46, i64 %104, i32 1, i64 %133
+  store i64 %140, ptr %141, align 8
+  %142 = load i64, ptr %137, align 8
+  %143 = icmp eq i64 %142, 1
+  br i1 %143, label %151, label %144
 
-129:
-  %130 = phi i64 [ %132, %150 ], [ %114, %125 ]
-  %131 = phi i64 [ %153, %150 ], [ 1, %125 ]
-  %132 = add nsw i64 %130, -1
-  %133 = load i64, ptr %82, align 8
-  %134 = icmp sgt i64 %130, %133
-  br i1 %134, label %150, label %135
-
-135:
-  %136 = getelementptr inbounds i64, ptr %116, i64 %132
-  %137 = load i64, ptr %136, align 8
-  %138 = icmp eq i64 %137, 1
-  %139 = select i1 %138, i64 0, i64 %131
-  %140 = getelementptr inbounds %struct.Operand, ptr %45, i64 %103, i32 1, i64 %132
-  store i64 %139, ptr %140, align 8
-  %141 = load i64, ptr %136, align 8
-  %142 = icmp eq i64 %141, 1
-  br i1 %142, label %150, label %143
-
-143:
-  %144 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 2, i64 %132
-  %145 = load i64, ptr %144, align 8
-  %146 = icmp eq i64 %145, 1
-  %147 = icmp eq i64 %145, %141
-  %148 = select i1 %146, i1 true, i1 %147
-  br i1 %148, label %149, label %155
-
-149:
-  store i64 %141, ptr %144, align 8
-  br label %150
+144:
+  %145 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 2, i64 %133
+  %146 = load i64, ptr %145, align 8
+  %147 = icmp eq i64 %146, 1
+  %148 = icmp eq i64 %146, %142
+  %149 = select i1 %147, i1 true, i1 %148
+  br i1 %149, label %150, label %156
 
 150:
-  %151 = getelementptr inbounds i64, ptr %116, i64 %132
-  %152 = load i64, ptr %151, align 8
-  %153 = mul nsw i64 %152, %131
-  %154 = icmp slt i64 %130, 2
-  br i1 %154, label %155, label %129
+  store i64 %142, ptr %145, align 8
+  br label %151
 
-155:
-  %156 = phi i1 [ false, %99 ], [ false, %120 ], [ false, %122 ], [ true, %125 ], [ false, %143 ], [ true, %150 ]
-  %157 = phi ptr [ @.str.6, %99 ], [ @.str.7, %120 ], [ @.str.7, %122 ], [ null, %125 ], [ @.str.8, %143 ], [ null, %150 ]
-  br i1 %156, label %163, label %158
+151:
+  %152 = getelementptr inbounds i64, ptr %117, i64 %133
+  %153 = load i64, ptr %152, align 8
+  %154 = mul nsw i64 %153, %132
+  %155 = icmp slt i64 %131, 2
+  br i1 %155, label %156, label %130
 
-158:
+156:
+  %157 = phi i1 [ false, %100 ], [ false, %121 ], [ false, %123 ], [ true, %126 ], [ false, %144 ], [ true, %151 ]
+  %158 = phi ptr [ @.str.7, %100 ], [ @.str.8, %121 ], [ @.str.8, %123 ], [ null, %126 ], [ @.str.9, %144 ], [ null, %151 ]
+  br i1 %157, label %164, label %159
+
+159:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %7)
+  store i64 32, ptr %7, align 8
+  store ptr null, ptr %84, align 8
+  store ptr %158, ptr %85, align 8
+  store i32 3, ptr %86, align 8
+  %160 = load ptr, ptr %87, align 8
+  %161 = getelementptr inbounds i8, ptr %160, i64 48
+  %162 = load ptr, ptr %161, align 8
+  %163 = call ptr %162(ptr noundef nonnull %7)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %7)
+  br label %176
+
+164:
+  %165 = icmp slt i64 %103, 0
+  %166 = load i64, ptr %83, align 8
+  %167 = icmp eq i64 %166, %103
+  %168 = select i1 %165, i1 true, i1 %167
+  br i1 %168, label %174, label %169
+
+169:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %6)
   store i64 32, ptr %6, align 8
-  store ptr null, ptr %83, align 8
-  store ptr %157, ptr %84, align 8
-  store i32 3, ptr %85, align 8
-  %159 = load ptr, ptr %86, align 8
-  %160 = getelementptr inbounds i8, ptr %159, i64 48
-  %161 = load ptr, ptr %160, align 8
-  %162 = call ptr %161(ptr noundef nonnull %6)
+  store ptr null, ptr %88, align 8
+  store ptr @.str.3, ptr %89, align 8
+  store i32 3, ptr %90, align 8
+  %170 = load ptr, ptr %87, align 8
+  %171 = getelementptr inbounds i8, ptr %170, i64 48
+  %172 = load ptr, ptr %171, align 8
+  %173 = call ptr %172(ptr noundef nonnull %6)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %6)
-  br label %175
+  br label %176
 
-163:
-  %164 = icmp slt i64 %102, 0
-  %165 = load i64, ptr %82, align 8
-  %166 = icmp eq i64 %165, %102
-  %167 = select i1 %164, i1 true, i1 %166
-  br i1 %167, label %173, label %168
+174:
+  %175 = load i64, ptr %83, align 8
+  br label %176
 
-168:
+176:
+  %177 = phi i1 [ true, %174 ], [ false, %169 ], [ false, %159 ]
+  %178 = phi i64 [ %175, %174 ], [ %103, %169 ], [ %103, %159 ]
+  %179 = phi ptr [ %102, %174 ], [ %173, %169 ], [ %163, %159 ]
+  br i1 %177, label %96, label %180
+
+180:
+  %181 = phi i1 [ %81, %80 ], [ %101, %176 ], [ %98, %96 ]
+  %182 = phi ptr [ undef, %80 ], [ %179, %96 ], [ %179, %176 ]
+  br i1 %181, label %341, label %183
+
+183:
+  %184 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
+  %185 = icmp eq i64 %184, 0
+  br i1 %185, label %197, label %186
+
+186:
+  %187 = add nsw i64 %26, -1
+  %188 = getelementptr inbounds ptr, ptr %62, i64 %187
+  %189 = load ptr, ptr %188, align 8
+  %190 = getelementptr inbounds i8, ptr %189, i64 40
+  %191 = load ptr, ptr %190, align 8
+  %192 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 1
+  %193 = load i64, ptr %192, align 8
+  %194 = getelementptr inbounds i64, ptr %191, i64 %193
+  %195 = load i64, ptr %194, align 8
+  %196 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 16
+  store i64 %195, ptr %196, align 8
+  br label %197
+
+197:
+  %198 = load ptr, ptr %62, align 8
+  %199 = getelementptr inbounds i8, ptr %198, i64 40
+  %200 = load ptr, ptr %199, align 8
+  %201 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 1
+  %202 = load i64, ptr %201, align 8
+  %203 = getelementptr inbounds i64, ptr %200, i64 %202
+  %204 = load i64, ptr %203, align 8
+  %205 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
+  %206 = icmp eq i64 %204, %205
+  br i1 %206, label %216, label %207
+
+207:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %5)
   store i64 32, ptr %5, align 8
-  store ptr null, ptr %87, align 8
-  store ptr @.str.3, ptr %88, align 8
-  store i32 3, ptr %89, align 8
-  %169 = load ptr, ptr %86, align 8
-  %170 = getelementptr inbounds i8, ptr %169, i64 48
-  %171 = load ptr, ptr %170, align 8
-  %172 = call ptr %171(ptr noundef nonnull %5)
+  %208 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 1
+  store ptr null, ptr %208, align 8
+  %209 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 2
+  store ptr @.str.4, ptr %209, align 8
+  %210 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 3
+  store i32 3, ptr %210, align 8
+  %211 = getelementptr inbounds i8, ptr %0, i64 16
+  %212 = load ptr, ptr %211, align 8
+  %213 = getelementptr inbounds i8, ptr %212, i64 48
+  %214 = load ptr, ptr %213, align 8
+  %215 = call ptr %214(ptr noundef nonnull %5)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %5)
-  br label %175
+  br label %341
 
-173:
-  %174 = load i64, ptr %82, align 8
-  br label %175
+216:
+  %217 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 8
+  store ptr %46, ptr %217, align 8
+  %218 = getelementptr inbounds %struct.Operand, ptr %46, i64 1
+  %219 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 9
+  store ptr %218, ptr %219, align 8
+  %220 = getelementptr inbounds %struct.Operand, ptr %46, i64 2
+  %221 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 10
+  store ptr %220, ptr %221, align 8
+  %222 = load i64, ptr %60, align 8
+  %223 = getelementptr inbounds %struct.Operand, ptr %220, i64 %222
+  %224 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 11
+  store ptr %223, ptr %224, align 8
+  %225 = getelementptr inbounds %struct.Operand, ptr %223, i64 1
+  %226 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 12
+  store ptr %225, ptr %226, align 8
+  %227 = getelementptr inbounds %struct.Operand, ptr %225, i64 1
+  %228 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 13
+  store ptr %227, ptr %228, align 8
+  %229 = getelementptr inbounds %struct.Operand, ptr %46, i64 %26
+  %230 = getelementptr inbounds %struct.Operand, ptr %229, i64 -1
+  %231 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 14
+  store ptr %230, ptr %231, align 8
+  %232 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 3
+  store i64 1, ptr %232, align 8
+  %233 = icmp sgt i64 %202, 0
+  br i1 %233, label %242, label %234
 
-175:
-  %176 = phi i1 [ true, %173 ], [ false, %168 ], [ false, %158 ]
-  %177 = phi i64 [ %174, %173 ], [ %102, %168 ], [ %102, %158 ]
-  %178 = phi ptr [ %101, %173 ], [ %172, %168 ], [ %162, %158 ]
-  br i1 %176, label %95, label %179
+234:
+  %235 = load i64, ptr %232, align 8
+  %236 = icmp eq i64 %235, 0
+  br i1 %236, label %341, label %237
 
-179:
-  %180 = phi i1 [ %80, %79 ], [ %100, %175 ], [ %97, %95 ]
-  %181 = phi ptr [ undef, %79 ], [ %178, %95 ], [ %178, %175 ]
-  br i1 %180, label %324, label %182
+237:
+  %238 = icmp sgt i64 %69, 0
+  br i1 %238, label %239, label %291
 
-182:
-  %183 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
-  %184 = icmp eq i64 %183, 0
-  br i1 %184, label %196, label %185
+239:
+  %240 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 16
+  %241 = load i64, ptr %240, align 8
+  br label %254
 
-185:
-  %186 = add nsw i64 %25, -1
-  %187 = getelementptr inbounds ptr, ptr %61, i64 %186
-  %188 = load ptr, ptr %187, align 8
-  %189 = getelementptr inbounds i8, ptr %188, i64 40
-  %190 = load ptr, ptr %189, align 8
-  %191 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1
-  %192 = load i64, ptr %191, align 8
-  %193 = getelementptr inbounds i64, ptr %190, i64 %192
-  %194 = load i64, ptr %193, align 8
-  %195 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 16
-  store i64 %194, ptr %195, align 8
-  br label %196
+242:
+  %243 = phi i64 [ %247, %242 ], [ 1, %216 ]
+  %244 = phi i64 [ %248, %242 ], [ 0, %216 ]
+  %245 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 2, i64 %244
+  %246 = load i64, ptr %245, align 8
+  %247 = mul nsw i64 %246, %243
+  store i64 %247, ptr %232, align 8
+  %248 = add nuw nsw i64 %244, 1
+  %249 = icmp eq i64 %248, %202
+  br i1 %249, label %234, label %242
 
-196:
-  %197 = load ptr, ptr %61, align 8
-  %198 = getelementptr inbounds i8, ptr %197, i64 40
-  %199 = load ptr, ptr %198, align 8
-  %200 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1
-  %201 = load i64, ptr %200, align 8
-  %202 = getelementptr inbounds i64, ptr %199, i64 %201
-  %203 = load i64, ptr %202, align 8
-  %204 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 2), align 8
-  %205 = icmp eq i64 %203, %204
-  br i1 %205, label %215, label %206
+250:
+  %251 = add nuw nsw i64 %256, 1
+  %252 = icmp slt i64 %251, %69
+  %253 = icmp eq i64 %251, %69
+  br i1 %253, label %291, label %254
 
-206:
+254:
+  %255 = phi i1 [ true, %239 ], [ %252, %250 ]
+  %256 = phi i64 [ 0, %239 ], [ %251, %250 ]
+  %257 = getelementptr inbounds ptr, ptr %64, i64 %256
+  %258 = load ptr, ptr %257, align 8
+  %259 = icmp slt i64 %256, %65
+  %260 = select i1 %259, i64 1, i64 %241
+  %261 = mul nsw i64 %260, %235
+  %262 = getelementptr inbounds i8, ptr %258, i64 32
+  %263 = load i64, ptr %262, align 8
+  %264 = getelementptr inbounds i8, ptr %258, i64 40
+  %265 = load ptr, ptr %264, align 8
+  %266 = icmp sgt i64 %263, 0
+  br i1 %266, label %267, label %275
+
+267:
+  %268 = phi i64 [ %273, %267 ], [ 0, %254 ]
+  %269 = phi i64 [ %272, %267 ], [ 1, %254 ]
+  %270 = getelementptr inbounds i64, ptr %265, i64 %268
+  %271 = load i64, ptr %270, align 8
+  %272 = mul nsw i64 %271, %269
+  %273 = add nuw nsw i64 %268, 1
+  %274 = icmp eq i64 %273, %263
+  br i1 %274, label %275, label %267
+
+275:
+  %276 = phi i64 [ 1, %254 ], [ %272, %267 ]
+  %277 = getelementptr inbounds i8, ptr %258, i64 16
+  %278 = load i32, ptr %277, align 4
+  %279 = icmp ne i32 %278, 12
+  %280 = icmp ne i64 %276, %261
+  %281 = select i1 %279, i1 true, i1 %280
+  br i1 %281, label %282, label %250
+
+282:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %4)
   store i64 32, ptr %4, align 8
-  %207 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 1
-  store ptr null, ptr %207, align 8
-  %208 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 2
-  store ptr @.str.4, ptr %208, align 8
-  %209 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 3
-  store i32 3, ptr %209, align 8
-  %210 = getelementptr inbounds i8, ptr %0, i64 16
-  %211 = load ptr, ptr %210, align 8
-  %212 = getelementptr inbounds i8, ptr %211, i64 48
-  %213 = load ptr, ptr %212, align 8
-  %214 = call ptr %213(ptr noundef nonnull %4)
+  %283 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 1
+  store ptr null, ptr %283, align 8
+  %284 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 2
+  store ptr @.str.5, ptr %284, align 8
+  %285 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 3
+  store i32 3, ptr %285, align 8
+  %286 = getelementptr inbounds i8, ptr %0, i64 16
+  %287 = load ptr, ptr %286, align 8
+  %288 = getelementptr inbounds i8, ptr %287, i64 48
+  %289 = load ptr, ptr %288, align 8
+  %290 = call ptr %289(ptr noundef nonnull %4)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %4)
-  br label %324
+  br label %291
 
-215:
-  %216 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 8
-  store ptr %45, ptr %216, align 8
-  %217 = getelementptr inbounds %struct.Operand, ptr %45, i64 1
-  %218 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 9
-  store ptr %217, ptr %218, align 8
-  %219 = getelementptr inbounds %struct.Operand, ptr %45, i64 2
-  %220 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 10
-  store ptr %219, ptr %220, align 8
-  %221 = load i64, ptr %59, align 8
-  %222 = getelementptr inbounds %struct.Operand, ptr %219, i64 %221
-  %223 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 11
-  store ptr %222, ptr %223, align 8
-  %224 = getelementptr inbounds %struct.Operand, ptr %222, i64 1
-  %225 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 12
-  store ptr %224, ptr %225, align 8
-  %226 = getelementptr inbounds %struct.Operand, ptr %224, i64 1
-  %227 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 13
-  store ptr %226, ptr %227, align 8
-  %228 = getelementptr inbounds %struct.Operand, ptr %45, i64 %25
-  %229 = getelementptr inbounds %struct.Operand, ptr %228, i64 -1
-  %230 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 14
-  store ptr %229, ptr %230, align 8
-  %231 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 3
-  store i64 1, ptr %231, align 8
-  %232 = icmp sgt i64 %201, 0
-  br i1 %232, label %241, label %233
+291:
+  %292 = phi i1 [ %255, %282 ], [ %238, %237 ], [ %252, %250 ]
+  %293 = phi ptr [ %290, %282 ], [ %182, %237 ], [ %182, %250 ]
+  br i1 %292, label %341, label %294
 
-233:
-  %234 = load i64, ptr %231, align 8
-  %235 = icmp eq i64 %234, 0
-  br i1 %235, label %324, label %236
-
-236:
-  %237 = icmp sgt i64 %68, 0
-  br i1 %237, label %238, label %290
-
-238:
-  %239 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 16
-  %240 = load i64, ptr %239, align 8
-  br label %253
-
-241:
-  %242 = phi i64 [ %246, %241 ], [ 1, %215 ]
-  %243 = phi i64 [ %247, %241 ], [ 0, %215 ]
-  %244 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 2, i64 %243
-  %245 = load i64, ptr %244, align 8
-  %246 = mul nsw i64 %245, %242
-  store i64 %246, ptr %231, align 8
-  %247 = add nuw nsw i64 %243, 1
-  %248 = icmp eq i64 %247, %201
-  br i1 %248, label %233, label %241
-
-249:
-  %250 = add nuw nsw i64 %255, 1
-  %251 = icmp slt i64 %250, %68
-  %252 = icmp eq i64 %250, %68
-  br i1 %252, label %290, label %253
-
-253:
-  %254 = phi i1 [ true, %238 ], [ %251, %249 ]
-  %255 = phi i64 [ 0, %238 ], [ %250, %249 ]
-  %256 = getelementptr inbounds ptr, ptr %63, i64 %255
-  %257 = load ptr, ptr %256, align 8
-  %258 = icmp slt i64 %255, %64
-  %259 = select i1 %258, i64 1, i64 %240
-  %260 = mul nsw i64 %259, %234
-  %261 = getelementptr inbounds i8, ptr %257, i64 32
-  %262 = load i64, ptr %261, align 8
-  %263 = getelementptr inbounds i8, ptr %257, i64 40
-  %264 = load ptr, ptr %263, align 8
-  %265 = icmp sgt i64 %262, 0
-  br i1 %265, label %266, label %274
-
-266:
-  %267 = phi i64 [ %272, %266 ], [ 0, %253 ]
-  %268 = phi i64 [ %271, %266 ], [ 1, %253 ]
-  %269 = getelementptr inbounds i64, ptr %264, i64 %267
-  %270 = load i64, ptr %269, align 8
-  %271 = mul nsw i64 %270, %268
-  %272 = add nuw nsw i64 %267, 1
-  %273 = icmp eq i64 %272, %262
-  br i1 %273, label %274, label %266
-
-274:
-  %275 = phi i64 [ 1, %253 ], [ %271, %266 ]
-  %276 = getelementptr inbounds i8, ptr %257, i64 16
-  %277 = load i32, ptr %276, align 4
-  %278 = icmp ne i32 %277, 12
-  %279 = icmp ne i64 %275, %260
-  %280 = select i1 %278, i1 true, i1 %279
-  br i1 %280, label %281, label %249
-
-281:
-  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %3)
-  store i64 32, ptr %3, align 8
-  %282 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 1
-  store ptr null, ptr %282, align 8
-  %283 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 2
-  store ptr @.str.5, ptr %283, align 8
-  %284 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 3
-  store i32 3, ptr %284, align 8
-  %285 = getelementptr inbounds i8, ptr %0, i64 16
-  %286 = load ptr, ptr %285, align 8
-  %287 = getelementptr inbounds i8, ptr %286, i64 48
-  %288 = load ptr, ptr %287, align 8
-  %289 = call ptr %288(ptr noundef nonnull %3)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %3)
-  br label %290
-
-290:
-  %291 = phi i1 [ %254, %281 ], [ %237, %236 ], [ %251, %249 ]
-  %292 = phi ptr [ %289, %281 ], [ %181, %236 ], [ %181, %249 ]
-  br i1 %291, label %324, label %293
-
-293:
-  %294 = shl i64 %68, 3
-  %295 = call noalias ptr @malloc(i64 noundef %294)
-  %296 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 15
-  store ptr %295, ptr %296, align 8
-  %297 = icmp eq ptr %295, null
-  br i1 %297, label %309, label %298
-
-298:
-  br i1 %237, label %300, label %299
+294:
+  %295 = shl i64 %69, 3
+  %296 = call noalias ptr @malloc(i64 noundef %295)
+  %297 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 15
+  store ptr %296, ptr %297, align 8
+  %298 = icmp eq ptr %296, null
+  br i1 %298, label %310, label %299
 
 299:
-  call fastcc void @compute(ptr noundef nonnull %10)
-  br label %311
+  br i1 %238, label %301, label %300
 
 300:
-  %301 = phi i64 [ %307, %300 ], [ 0, %298 ]
-  %302 = getelementptr inbounds ptr, ptr %63, i64 %301
-  %303 = load ptr, ptr %302, align 8
-  %304 = getelementptr inbounds i8, ptr %303, i64 24
-  %305 = load ptr, ptr %304, align 8
-  %306 = getelementptr inbounds ptr, ptr %295, i64 %301
-  store ptr %305, ptr %306, align 8
-  %307 = add nuw nsw i64 %301, 1
-  %308 = icmp eq i64 %307, %68
-  br i1 %308, label %299, label %300
+  call fastcc void @compute(ptr noundef nonnull %11)
+  br label %312
 
-309:
-  %310 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 21
-  store i32 1, ptr %310, align 8
-  br label %311
+301:
+  %302 = phi i64 [ %308, %301 ], [ 0, %299 ]
+  %303 = getelementptr inbounds ptr, ptr %64, i64 %302
+  %304 = load ptr, ptr %303, align 8
+  %305 = getelementptr inbounds i8, ptr %304, i64 24
+  %306 = load ptr, ptr %305, align 8
+  %307 = getelementptr inbounds ptr, ptr %296, i64 %302
+  store ptr %306, ptr %307, align 8
+  %308 = add nuw nsw i64 %302, 1
+  %309 = icmp eq i64 %308, %69
+  br i1 %309, label %300, label %301
 
-311:
-  call void @free(ptr noundef %295)
-  %312 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 21
-  %313 = load i32, ptr %312, align 8
-  %314 = icmp eq i32 %313, 0
-  br i1 %314, label %324, label %315
+310:
+  %311 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 21
+  store i32 1, ptr %311, align 8
+  br label %312
 
-315:
+312:
+  call void @free(ptr noundef %296)
+  %313 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 22
+  %314 = load i32, ptr %313, align 4
+  %315 = icmp eq i32 %314, 0
+  br i1 %315, label %328, label %316
+
+316:
+  %317 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
+  %318 = icmp eq ptr %317, null
+  %319 = select i1 %318, ptr @.str.6, ptr %317
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %3)
+  store i64 32, ptr %3, align 8
+  %320 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 1
+  store ptr null, ptr %320, align 8
+  %321 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 2
+  store ptr %319, ptr %321, align 8
+  %322 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 3
+  store i32 9, ptr %322, align 8
+  %323 = getelementptr inbounds i8, ptr %0, i64 16
+  %324 = load ptr, ptr %323, align 8
+  %325 = getelementptr inbounds i8, ptr %324, i64 48
+  %326 = load ptr, ptr %325, align 8
+  %327 = call ptr %326(ptr noundef nonnull %3)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %3)
+  br label %341
+
+328:
+  %329 = getelementptr inbounds %struct.Job, ptr %11, i64 0, i32 21
+  %330 = load i32, ptr %329, align 8
+  %331 = icmp eq i32 %330, 0
+  br i1 %331, label %341, label %332
+
+332:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %2)
   store i64 32, ptr %2, align 8
-  %316 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
-  store ptr null, ptr %316, align 8
-  %317 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
-  store ptr @.str.1, ptr %317, align 8
-  %318 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
-  store i32 8, ptr %318, align 8
-  %319 = getelementptr inbounds i8, ptr %0, i64 16
-  %320 = load ptr, ptr %319, align 8
-  %321 = getelementptr inbounds i8, ptr %320, i64 48
-  %322 = load ptr, ptr %321, align 8
-  %323 = call ptr %322(ptr noundef nonnull %2)
+  %333 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
+  store ptr null, ptr %333, align 8
+  %334 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
+  store ptr @.str.1, ptr %334, align 8
+  %335 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
+  store i32 8, ptr %335, align 8
+  %336 = getelementptr inbounds i8, ptr %0, i64 16
+  %337 = load ptr, ptr %336, align 8
+  %338 = getelementptr inbounds i8, ptr %337, i64 48
+  %339 = load ptr, ptr %338, align 8
+  %340 = call ptr %339(ptr noundef nonnull %2)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %2)
-  br label %324
+  br label %341
 
-324:
-  %325 = phi ptr [ %78, %70 ], [ %214, %206 ], [ %181, %179 ], [ null, %233 ], [ %292, %290 ], [ %323, %315 ], [ null, %311 ]
-  call void @free(ptr noundef %45)
-  call void @llvm.lifetime.end.p0(i64 856, ptr nonnull %10)
-  br label %326
+341:
+  %342 = phi ptr [ %79, %71 ], [ %215, %207 ], [ %182, %180 ], [ null, %234 ], [ %293, %291 ], [ %327, %316 ], [ %340, %332 ], [ null, %328 ]
+  call void @free(ptr noundef %46)
+  call void @llvm.lifetime.end.p0(i64 856, ptr nonnull %11)
+  br label %343
 
-326:
-  %327 = phi ptr [ null, %18 ], [ %42, %34 ], [ %325, %324 ], [ %55, %47 ]
-  ret ptr %327
+343:
+  %344 = phi ptr [ null, %19 ], [ %43, %35 ], [ %342, %341 ], [ %56, %48 ]
+  ret ptr %344
+}
+
+declare void @qsort(ptr noundef, i64 noundef, i64 noundef, ptr nocapture noundef) local_unnamed_addr
+
+define internal i32 @longer_first(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1) {
+  %3 = load double, ptr %0, align 8
+  %4 = load double, ptr %1, align 8
+  %5 = fcmp olt double %3, %4
+  br i1 %5, label %18, label %6
+
+6:
+  %7 = fcmp ogt double %3, %4
+  br i1 %7, label %18, label %8
+
+8:
+  %9 = getelementptr inbounds %struct.Turn, ptr %0, i64 0, i32 1
+  %10 = load i64, ptr %9, align 8
+  %11 = getelementptr inbounds %struct.Turn, ptr %1, i64 0, i32 1
+  %12 = load i64, ptr %11, align 8
+  %13 = icmp sgt i64 %10, %12
+  %14 = zext i1 %13 to i32
+  %15 = icmp slt i64 %10, %12
+  %16 = sext i1 %15 to i32
+  %17 = add nsw i32 %16, %14
+  br label %18
+
+18:
+  %19 = phi i32 [ %17, %8 ], [ -1, %2 ], [ 1, %6 ]
+  ret i32 %19
 }
 
 define internal ptr @work(ptr nocapture noundef %0) {
@@ -1185,7 +1295,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %86 = load i64, ptr %85, align 8
   %87 = getelementptr inbounds %struct.Turn, ptr %84, i64 %79, i32 2
   %88 = load i64, ptr %87, align 8
-  %89 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 2
+  %89 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 5
   %90 = load i64, ptr %89, align 8
   %91 = icmp sgt i64 %90, 0
   br i1 %91, label %95, label %92
@@ -1272,7 +1382,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 
 154:
   %155 = load ptr, ptr %0, align 8
-  %156 = getelementptr inbounds %struct.Operation, ptr %155, i64 0, i32 3
+  %156 = getelementptr inbounds %struct.Operation, ptr %155, i64 0, i32 6
   %157 = load i64, ptr %156, align 8
   %158 = sub nsw i64 %157, %88
   %159 = load i64, ptr %33, align 8
@@ -1281,7 +1391,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br i1 %161, label %162, label %172
 
 162:
-  %163 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 3
+  %163 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 6
   br label %178
 
 164:
@@ -1329,7 +1439,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   store double 1.000000e+00, ptr %196, align 8
   %197 = add nuw nsw i64 %179, 1
   %198 = load ptr, ptr %0, align 8
-  %199 = getelementptr inbounds %struct.Operation, ptr %198, i64 0, i32 3
+  %199 = getelementptr inbounds %struct.Operation, ptr %198, i64 0, i32 6
   %200 = load i64, ptr %199, align 8
   %201 = sub nsw i64 %200, %88
   %202 = load i64, ptr %33, align 8
@@ -1581,7 +1691,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %383 = load i64, ptr %382, align 8
   %384 = load i64, ptr %59, align 8
   %385 = load ptr, ptr %0, align 8
-  %386 = getelementptr inbounds %struct.Operation, ptr %385, i64 0, i32 3
+  %386 = getelementptr inbounds %struct.Operation, ptr %385, i64 0, i32 6
   %387 = load i64, ptr %386, align 8
   %388 = add nsw i64 %387, 1
   %389 = sdiv i64 %384, %388
@@ -1611,7 +1721,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   store double %402, ptr %408, align 8
   %409 = add nuw nsw i64 %399, 1
   %410 = load ptr, ptr %0, align 8
-  %411 = getelementptr inbounds %struct.Operation, ptr %410, i64 0, i32 3
+  %411 = getelementptr inbounds %struct.Operation, ptr %410, i64 0, i32 6
   %412 = load i64, ptr %411, align 8
   %413 = sub nsw i64 %412, %383
   %414 = load i64, ptr %33, align 8
@@ -1711,7 +1821,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %482 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %431
   %483 = load i64, ptr %482, align 8
   %484 = load ptr, ptr %0, align 8
-  %485 = getelementptr inbounds %struct.Operation, ptr %484, i64 0, i32 3
+  %485 = getelementptr inbounds %struct.Operation, ptr %484, i64 0, i32 6
   %486 = load i64, ptr %485, align 8
   %487 = sub nsw i64 %486, %483
   %488 = load i64, ptr %33, align 8
@@ -1756,7 +1866,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %518 = getelementptr inbounds ptr, ptr %516, i64 %517
   %519 = load i64, ptr %59, align 8
   %520 = load ptr, ptr %0, align 8
-  %521 = getelementptr inbounds %struct.Operation, ptr %520, i64 0, i32 3
+  %521 = getelementptr inbounds %struct.Operation, ptr %520, i64 0, i32 6
   %522 = load i64, ptr %521, align 8
   %523 = add nsw i64 %522, 1
   %524 = sdiv i64 %519, %523
@@ -1823,35 +1933,6 @@ define internal ptr @work(ptr nocapture noundef %0) {
 
 564:
   ret ptr null
-}
-
-declare void @qsort(ptr noundef, i64 noundef, i64 noundef, ptr nocapture noundef) local_unnamed_addr
-
-define internal i32 @longer_first(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1) {
-  %3 = load double, ptr %0, align 8
-  %4 = load double, ptr %1, align 8
-  %5 = fcmp olt double %3, %4
-  br i1 %5, label %18, label %6
-
-6:
-  %7 = fcmp ogt double %3, %4
-  br i1 %7, label %18, label %8
-
-8:
-  %9 = getelementptr inbounds %struct.Turn, ptr %0, i64 0, i32 1
-  %10 = load i64, ptr %9, align 8
-  %11 = getelementptr inbounds %struct.Turn, ptr %1, i64 0, i32 1
-  %12 = load i64, ptr %11, align 8
-  %13 = icmp sgt i64 %10, %12
-  %14 = zext i1 %13 to i32
-  %15 = icmp slt i64 %10, %12
-  %16 = sext i1 %15 to i32
-  %17 = add nsw i32 %16, %14
-  br label %18
-
-18:
-  %19 = phi i32 [ %17, %8 ], [ -1, %2 ], [ 1, %6 ]
-  ret i32 %19
 }
 
 define internal i32 @work_on_windows(ptr nocapture noundef %0) {

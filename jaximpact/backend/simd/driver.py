@@ -4,7 +4,7 @@ import ctypes
 import functools
 import importlib.resources
 import threading
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from llvmlite.binding import ExecutionEngine
 
@@ -37,6 +37,8 @@ class Operation(ctypes.Structure):
     _fields_ = (
         ("count", INTEGER),
         ("programs", Program * PROGRAMS),
+        ("waiting", INTEGER * PROGRAMS),
+        *((name, POINTER) for name in ("make_ready", "problem")),
         *((name, INTEGER) for name in ("leaves", "directions", "samples")),
         ("threads", INTEGER),
         *((name, POINTER) for name in ThreadFunctions._fields),
@@ -67,6 +69,7 @@ class Rows(ctypes.Structure):
 
 
 COMPUTE_ROWS = ctypes.CFUNCTYPE(INTEGER, POINTER)
+MAKE_READY = ctypes.CFUNCTYPE(INTEGER, INTEGER)
 FLOAT_MODE = {
     "x86": """
 declare void @llvm.x86.sse.stmxcsr(ptr)
@@ -119,6 +122,8 @@ class Driver(NamedTuple):
 
     engine: ExecutionEngine
     operation: Operation
+    alive: Any = None
+    """What the operation points to."""
 
     @property
     def handler(self) -> int:

@@ -3,12 +3,15 @@
 import ctypes
 import functools
 import hashlib
-from collections.abc import Sequence
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from .driver import (
+    MAKE_READY,
     PROGRAMS,
     Course,
     Driver,
@@ -28,16 +31,24 @@ once more."""
 
 class KernelSet:
     """Kernels with the same rows of inputs and of results, by which lanes are computed
-    and differentiated along so many directions, of those that the kernels have."""
+    and differentiated along so many directions, of those that the kernels have.
 
-    def __init__(self, kernels: Sequence[Kernel], directions: int = 0):
+    In place of a kernel, but not of all, there may be a function that compiles it. An
+    operation of XLA calls it as the first lane needs that kernel; which ones lanes need
+    is not known when JAX traces. What Python computes by itself needs every kernel.
+    """
+
+    def __init__(
+        self, kernels: Sequence[Kernel | Callable[[], Kernel]], directions: int = 0
+    ):
         if len(kernels) > PROGRAMS:
             raise ValueError(f"{len(kernels)} kernels, but there can be {PROGRAMS}")
-        first = kernels[0].program_along(directions)
         self.kernels, self.directions = tuple(kernels), directions
-        self.structure = kernels[0].structure
+        self._first = next(k for k in kernels if isinstance(k, Kernel))
+        first = self._first.program_along(directions)
+        self.structure = self._first.structure
         self.result_rows, self.sampled_rows = first.result_rows, first.sampled_rows
-        self.inputs = kernels[0].code.common_inputs
+        self.inputs = self._first.code.common_inputs
         self._every_place = np.arange(self.inputs, dtype=float)
         self._settings = Operation()
         self._fill(self._settings)
@@ -54,7 +65,10 @@ class KernelSet:
     def _fill(self, settings: Operation) -> None:
         settings.count = len(self.kernels)
         for place, kernel in enumerate(self.kernels):
-            settings.programs[place] = kernel.program_along(self.directions)
+            is_ready = isinstance(kernel, Kernel)
+            settings.waiting[place] = not is_ready
+            known = kernel if isinstance(kernel, Kernel) else self._first
+            settings.programs[place] = known.program_along(self.directions)
         settings.directions = self.directions
         settings.samples = self.sampled_rows > 0
         settings.leaves = self.inputs
@@ -67,7 +81,11 @@ class KernelSet:
         which must never stand for other code."""
         digest = hashlib.sha256(driver_object())
         digest.update(f"{len(self.kernels)} {self.directions}".encode())
-        for kernel in self.kernels:
+        for place, kernel in enumerate(self.kernels):
+            if not isinstance(kernel, Kernel):
+                # Of the same laws as the others, by which it is told apart
+                digest.update(f"waiting {place}".encode())
+                continue
             digest.update(kernel.layout)
             for object_file in kernel.code.object_files:
                 digest.update(object_file)
@@ -77,7 +95,9 @@ class KernelSet:
         """Load a driver whose handler serves XLA with these kernels."""
         driver = load_driver()
         self._fill(driver.operation)
-        return driver
+        make_ready = MAKE_READY(_Waiting(self, driver.operation).make_ready)
+        driver.operation.make_ready = ctypes.cast(make_ready, ctypes.c_void_p)
+        return driver._replace(alive=make_ready)
 
     def compute(
         self,
@@ -162,3 +182,31 @@ class KernelSet:
         )
         rows.alive = common, at, own
         return rows, results
+
+
+class _Waiting:
+    """Kernels of a set that are compiled when an operation first needs them."""
+
+    def __init__(self, kernels: KernelSet, operation: Operation):
+        self.kernels, self.operation = kernels, operation
+        self.compiled: dict[int, Kernel] = {}
+        self.problem: ctypes.Array | None = None
+        self.lock = threading.Lock()
+
+    def make_ready(self, place: int) -> bool:
+        """Compile a kernel, and put its program in its place. Tells whether it is
+        there; if not, the operation has what is wrong."""
+        try:
+            with self.lock:
+                if place not in self.compiled:
+                    compile_kernel: Any = self.kernels.kernels[place]
+                    kernel = compile_kernel()
+                    program = kernel.program_along(self.kernels.directions)
+                    self.operation.programs[place] = program
+                    self.compiled[place] = kernel
+        except BaseException as problem:  # none passes through C; XLA's error tells it
+            text = f"jaximpact: no machine code, which lanes need: {problem!r}"
+            self.problem = ctypes.create_string_buffer(text.encode())
+            self.operation.problem = ctypes.addressof(self.problem)
+            return False
+        return True
