@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaximpact import Block, Impact, Scene, Soil
+from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.impact.dynamics import contact, force_rate, initial_motion, prepare
 from jaximpact.laws import (
     Coulomb,
@@ -470,6 +471,18 @@ def test_every_law_can_be_replaced_and_is_used(slot):
     assert not np.allclose(with_change, usual, rtol=1e-6)
 
 
+@unfused_jit  # With fusion it compiles for minutes.
+def contact_with_slopes(scene, motions):
+    def numbers(scene, motion):
+        return contact(prepare(scene), motion)
+
+    def with_slopes(motion):
+        slopes = jax.jacfwd(numbers, argnums=(0, 1))(scene, motion)
+        return numbers(scene, motion), slopes
+
+    return jax.vmap(with_slopes)(motions)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("aspect_ratio", "orientation"), [(1.0, 0.0), (2.0, 0.0), (2.0, 0.4)]
@@ -497,15 +510,7 @@ def test_contact_is_finite_with_its_gradients_at_every_singular_state(
     }
     batch = jax.tree.map(lambda *leaves: jnp.stack(leaves), *states.values())
 
-    def numbers(scene, motion):
-        return contact(prepare(scene), motion)
-
-    def with_slopes(motion):
-        slopes = jax.jacfwd(numbers, argnums=(0, 1))(scene, motion)
-        return numbers(scene, motion), slopes
-
-    # Not under jit: fusion makes this compile for minutes.
-    value, slopes = jax.vmap(with_slopes)(batch)
+    value, slopes = contact_with_slopes(jax.tree.map(jnp.asarray, scene), batch)
     for i, name in enumerate(states):
         lane = jax.tree.map(lambda x, i=i: x[i], (value, slopes))
         assert all_finite(lane), name

@@ -187,11 +187,11 @@ def test_step_of_no_width_leaves_the_state_and_has_finite_gradients():
         return one_step(width, y0)
 
     start = jnp.asarray(START), jnp.zeros(())
-    state, _, middle = of_step(*start)
+    state, _, middle = COMPILED(start[1])
     np.testing.assert_array_equal(state, START)
     np.testing.assert_array_equal(middle, START)
     by_state, (by_width, error, of_middle) = (
-        jax.jacfwd(of_step, argnums=place)(*start) for place in (0, 1)
+        jax.jit(jax.jacfwd(of_step, argnums=place))(*start) for place in (0, 1)
     )
     np.testing.assert_allclose(by_state[0], np.eye(2), atol=1e-15)
     # The derivative by the width is the right-hand side; rounding of 40-fold weights.
