@@ -274,7 +274,9 @@ def plain(text: str) -> str:
 def png_bytes(figure: Figure) -> bytes:
     """Return the bytes of a PNG file, the same for the same figure."""
     drawn, file = io.BytesIO(), io.BytesIO()
-    figure.savefig(drawn, format="png", dpi=DPI)
+    # It is read again at once: to compress it would take a fifth of the time.
+    in_memory = dict(compress_level=0)
+    figure.savefig(drawn, format="png", dpi=DPI, pil_kwargs=in_memory)
     image = Image.open(drawn).convert("RGB")
     # Of 256 colours a file has a third of its size with all of them. The usual method
     # replaces rare ones, in a legend those of a line that others hide.
