@@ -31,7 +31,8 @@ from ..impact.results import (
 from ..scene import Scene, shape_of
 from . import NATIVE, Engine
 from .native_backend import compile_side_by_side, computes_on_cpu
-from .rows import Request, columns_of, request, values_of
+from .request import Request, request
+from .rows import columns_of, values_of
 from .simd import KernelSet
 
 

@@ -1,39 +1,36 @@
 """Impacts as rows of numbers: results, and their derivatives by leaves of the scene.
 
 The one function that computes impacts, whoever asks: `simulate` and what JAX makes of
-it, batches, fits, elasticities and run-outs. It chooses for each lane the cheapest
-model that is exact, and hands the lanes to the driver of the machine code: directly or,
-where JAX traces, as an operation of XLA (`operation`). For laws that have no machine
-code, and on other devices, XLA's program of the model does the work. That integrates
-with diffrax, and is also the second way, by which the machine code can be checked.
+it, batches, fits, elasticities and run-outs. It hands the lanes to the kernels that
+`kernel_choice` has chosen: directly or, where JAX traces, as an operation of XLA
+(`operation`). For laws that have no machine code, and on other devices, XLA's program
+of the model does the work. That integrates with diffrax, and is also the second way, by
+which the machine code can be checked.
 """
 
 import concurrent.futures
 import functools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.custom_derivatives import SymbolicZero
 
-from .._jax_internals import Tracer, namespace_of, number_in
-from .._precision import float64_leaf
-from .._types import Structure
+from .._jax_internals import Tracer, namespace_of
 from ..accuracy import Accuracy
-from ..errors import IncompleteError
-from ..identity import clear_when_edited, heed_edits, tracing, users_code
+from ..identity import tracing
 from ..impact.dynamics import LedgerItems
 from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, exact_models
-from ..impact.results import Solution, empty_history, empty_summary
-from ..scene import Scene
-from . import MACHINE_CODE, NATIVE, XLA, Engine
-from .native_backend import compile_side_by_side, computes_on_cpu
+from ..impact.results import Solution
+from . import MACHINE_CODE, XLA
+from .kernel_choice import choose, groups_of_leaves
 from .operation import call
-from .simd import MOST_DIRECTIONS, Kernel, KernelSet
+from .request import Request, request
+from .simd import MOST_DIRECTIONS, KernelSet
 from .threads import thread_count
 
 LANES_OF_XLA = 512
@@ -42,79 +39,6 @@ more on waiting for the slowest impact."""
 LANES_AT_ONCE = 2_048
 """Impacts that a thread computes between two looks at progress: some 0.1 s, of which
 0.3 % are spent waiting for the last ones."""
-
-
-class Request(NamedTuple):
-    """Static description of the scenes to compute."""
-
-    structure: Structure
-    """Laws and shapes of the scene: its tree structure."""
-    ledger: LedgerItems
-    places: tuple[int, ...]
-    """Indices of the leaves that are not known yet, or are arrays."""
-    rest: np.ndarray
-    """All other leaves, each at its place, then tolerance and floor. They stay known
-    inside of `jax.jit`, and a single array is quicker to hand over than thirty."""
-    engine: Engine
-    sampled: bool = False
-    """Whether a history is sampled at times that are asked for."""
-
-    @property
-    def place_of_times(self) -> int:
-        """Index that stands for the times among the leaves: the one behind them."""
-        return self.structure.num_leaves
-
-    def leaves(self, values: list, unknown: Sequence[int] = ()) -> list:
-        """Return the leaves of the scene, with the values of those at `places`, and
-        with NaN for those that are not known."""
-        leaves = list(self.rest[:-2])
-        for place, value in zip(self.places, values, strict=True):
-            leaves[place] = value
-        for place in set(unknown) - {self.place_of_times}:
-            leaves[place] = np.nan
-        return leaves
-
-    def solution(self, rows) -> Solution:
-        """Return the results from their rows."""
-        return jax.tree.unflatten(_structure(self.ledger, self.sampled), rows)
-
-
-@functools.cache
-def _structure(ledger: LedgerItems, sampled: bool):
-    samples = empty_history(bool(ledger)) if sampled else None
-    return jax.tree.structure(Solution(empty_summary(ledger), samples))
-
-
-def request(
-    structure,
-    leaves,
-    accuracy: Accuracy,
-    ledger: LedgerItems,
-    engine: Engine = NATIVE,
-    sampled: bool = False,
-) -> tuple[Request, list]:
-    """Describe scenes; and return the values of leaves that are arrays or traced.
-
-    The leaves of a single impact, all known, may be one array.
-    """
-    heed_edits(structure)
-    places, rest = [], np.empty(len(leaves) + 2)
-    rest[-2:] = accuracy.tolerance, accuracy.floor
-    if isinstance(leaves, np.ndarray):
-        rest[:-2] = leaves
-        return Request(structure, ledger, (), rest, engine, sampled), []
-    for place, leaf in enumerate(leaves):
-        if isinstance(leaf, Tracer) or np.ndim(leaf):
-            places.append(place)
-            rest[place] = np.nan
-        else:
-            rest[place] = leaf
-    # Whoever puts leaves in place by himself may put numbers of another type.
-    values = [
-        leaf if leaf.dtype == np.float64 else float64_leaf(leaf)
-        for leaf in (leaves[place] for place in places)
-    ]
-    return Request(structure, ledger, tuple(places), rest, engine, sampled), values
 
 
 def compute_rows(
@@ -162,14 +86,14 @@ def prepare(
     varied: Sequence[int] = (),
 ) -> str:
     """Compile what `compute_rows` needs, and return the name of what computes."""
-    chosen = _choose(*request(structure, leaves, accuracy, ledger), list(varied))
+    chosen = choose(*request(structure, leaves, accuracy, ledger), list(varied))
     return XLA if chosen is None else MACHINE_CODE
 
 
 def values_of(wanted: Request, values: list, times, in_jax: bool) -> Solution:
     """Compute results without derivatives: `in_jax`, where JAX may trace or
     differentiate; else values are known, and results are NumPy arrays."""
-    chosen = _choose(wanted, values, [])
+    chosen = choose(wanted, values, [])
     if chosen is None:
         return _by_xla(wanted, values, times, [], in_jax)
     kernels, *turn = chosen
@@ -184,7 +108,7 @@ def columns_of(
     """Compute results, and for each of the leaves in `varied` the derivatives of all
     results, and of all samples, with respect to it, on a first axis; see
     `values_of`."""
-    posture, damping, others = _groups(wanted.structure)
+    posture, damping, others = groups_of_leaves(wanted.structure)
     solution, by_leaf = None, {}
     # Derivatives with respect to a leaf that may break the symmetry need the planar
     # model, with respect to damping ratios dashpots; the others need no more than the
@@ -200,7 +124,7 @@ def columns_of(
 def _columns_of_group(
     wanted: Request, values: list, times, varied: list[int], in_jax: bool
 ):
-    chosen = _choose(wanted, values, varied)
+    chosen = choose(wanted, values, varied)
     if chosen is None:
         return _by_xla(wanted, values, times, varied, in_jax)
     kernels, *turn = chosen
@@ -316,131 +240,6 @@ def _no_second_order(kernels, along, places, rest, primals, tangents):
         )
     results = _traced(kernels, along, places, rest.value, *primals)
     return results, jax.tree.map(jnp.zeros_like, results)
-
-
-def _choose(wanted: Request, values: list, varied: list[int]):
-    """Choose the kernels, and give the effort of each lane and the index of its kernel;
-    None where there is no machine code, or none is asked for."""
-    if not (wanted.engine.is_machine_code and computes_on_cpu()):
-        return None
-    # A derivative leaves the symmetry that a cheaper model rests on.
-    known = [x if isinstance(x, Tracer) else np.asarray(x) for x in values]
-    leaves = wanted.leaves(known)
-    many = any(isinstance(x, Tracer) or x.ndim for x in known)
-    if many:
-        scene = jax.tree.unflatten(wanted.structure, leaves)
-        # What is one number for all lanes decides as that number does.
-        known = [number_in(x) if isinstance(x, Tracer) else x for x in known]
-        leaves = wanted.leaves(known, varied)
-        models, possible = exact_models(jax.tree.unflatten(wanted.structure, leaves))
-    else:
-        models, possible = _exact_model(
-            wanted.structure,
-            tuple(
-                math.nan if place in varied else float(leaves[place])
-                for place in _deciding(wanted.structure)
-            ),
-        )
-    key = wanted.structure, wanted.ledger, wanted.sampled
-    certain = not isinstance(models, Tracer)
-    kernels = _kernels(*key, tuple(possible), bool(varied), certain)
-    if kernels is None:
-        return None
-    program = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
-    return kernels, effort(scene) if many else 0.0, program
-
-
-@functools.lru_cache(maxsize=256)
-def _deciding(structure) -> tuple[int, ...]:
-    posture, damping, _ = _groups(structure)
-    return tuple(sorted(posture | damping))
-
-
-@functools.lru_cache(maxsize=1024)
-def _exact_model(structure, deciding: tuple[float, ...]):
-    """`exact_models` of a single impact, by the values that decide."""
-    leaves = [np.nan] * structure.num_leaves
-    for place, value in zip(_deciding(structure), deciding, strict=True):
-        leaves[place] = np.float64(value)
-    return exact_models(jax.tree.unflatten(structure, leaves))
-
-
-clear_when_edited(_exact_model.cache_clear)
-
-
-@functools.lru_cache(maxsize=256)
-def _groups(structure) -> tuple[set[int], set[int], set[int]]:
-    """Return the leaves of a scene: those that may leave the symmetry, of dashpots,
-    others."""
-    scene = jax.tree.unflatten(structure, range(structure.num_leaves))
-    posture = {*jax.tree.leaves((scene.block.shape, scene.impact))}
-    posture -= {scene.impact.speed}
-    damping = {*jax.tree.leaves(scene.soil.damping)}
-    return posture, damping, {*range(structure.num_leaves)} - posture - damping
-
-
-def effort(scene: Scene):
-    """Compute a number that is larger for shorter contacts, to begin the longest ones
-    first, so that few lanes stand empty at the end.
-
-    Contacts are long where the speed into the ground is small beside what gravity gives
-    over the size of a block.
-    """
-    block, impact = scene.block, scene.impact
-    xp = namespace_of(*jax.tree.leaves(scene))
-    size = xp.cbrt(block.mass / block.density)
-    return impact.speed * xp.cos(impact.angle) / xp.sqrt(size)
-
-
-_kernel_sets: dict[tuple, KernelSet] = {}
-clear_when_edited(_kernel_sets.clear)
-
-
-def _kernels(
-    structure,
-    ledger: LedgerItems,
-    sampled: bool,
-    possible: tuple[int, ...],
-    varied: bool,
-    certain: bool,
-) -> KernelSet | None:
-    """Return the kernels of models that lanes are `certain` to need; or of which the
-    most general one without dashpots is compiled at once, and the others when a lane
-    needs them."""
-    key = structure, ledger, sampled, possible, varied, certain
-    if key not in _kernel_sets:
-        assemblies = [Assembly(structure, MODELS[k], ledger) for k in possible]
-        at_once = assemblies
-        # A user's dashpots might have no machine code, which must be known now.
-        if not (certain or users_code(_damping_of(structure))):
-            undamped = [one for one in assemblies if not one.model.damped]
-            at_once = (undamped or assemblies)[-1:]
-        compiled = compile_side_by_side(at_once, varied, sampled)
-        if None in compiled:
-            return None
-        ready = dict(zip(at_once, compiled, strict=True))
-        _kernel_sets[key] = KernelSet(
-            [
-                ready.get(one) or functools.partial(_compile_later, key, one)
-                for one in assemblies
-            ]
-        )
-    return _kernel_sets[key]
-
-
-def _damping_of(structure):
-    return jax.tree.unflatten(structure, range(structure.num_leaves)).soil.damping
-
-
-def _compile_later(key: tuple, assembly: Assembly) -> Kernel:
-    _, _, sampled, _, varied, _ = key
-    (kernel,) = compile_side_by_side([assembly], varied, sampled)
-    if key not in _kernel_sets:
-        # Its other kernels are of the laws as they were.
-        raise IncompleteError("a law was edited since JAX compiled this; call it again")
-    if kernel is None:
-        raise IncompleteError(f"the {assembly.model.name} model has none")
-    return kernel
 
 
 def _by_xla(

@@ -50,7 +50,9 @@ def test_machine_code_and_xla_agree(monkeypatch):
     usual = objective_of(study)
     x = usual.bounds.coordinate(SOILS)
     expected = usual(x)
-    monkeypatch.setattr("jaximpact.backend.rows.computes_on_cpu", lambda: False)
+    monkeypatch.setattr(
+        "jaximpact.backend.kernel_choice.computes_on_cpu", lambda: False
+    )
     _kept.cache_clear()
     by_xla = models_of(study)[0]
     _kept.cache_clear()

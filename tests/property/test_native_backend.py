@@ -11,7 +11,7 @@ import pytest
 from jax.extend.core import jaxpr_as_fun
 
 from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
-from jaximpact.backend import rows
+from jaximpact.backend import kernel_choice
 from jaximpact.backend.native_backend import compile_native
 from jaximpact.backend.simd import (
     KernelSet,
@@ -343,7 +343,7 @@ def test_kept_machine_code_runs(cache, monkeypatch):
 def test_impacts_as_by_xla(monkeypatch):
     scenes = oblique_scenes(40)
     mine = simulate_batch(scenes, accuracy="reference", ledger=True)
-    monkeypatch.setattr(rows, "computes_on_cpu", lambda: False)
+    monkeypatch.setattr(kernel_choice, "computes_on_cpu", lambda: False)
     timing = {}
     theirs = simulate_batch(scenes, accuracy="reference", ledger=True, timing=timing)
     assert timing["engine"] == "XLA"

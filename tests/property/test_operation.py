@@ -21,8 +21,10 @@ from paths import ROOT
 from benchmarks.impacts import mixed_scenes
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
 from jaximpact.accuracy import PRESETS
+from jaximpact.backend import kernel_choice, operation
 from jaximpact.backend import native_backend as machine
-from jaximpact.backend import operation, rows
+from jaximpact.backend.request import request
+from jaximpact.backend.rows import columns_of
 from jaximpact.backend.threads import thread_count
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS, PLANAR, exact_models
@@ -227,8 +229,8 @@ def compiled(monkeypatch):
         names.extend(assembly.model.name for assembly in assemblies)
         return machine.compile_side_by_side(assemblies, *how)
 
-    monkeypatch.setattr(rows, "_kernel_sets", {})
-    monkeypatch.setattr(rows, "compile_side_by_side", compile_and_note)
+    monkeypatch.setattr(kernel_choice, "_kernel_sets", {})
+    monkeypatch.setattr(kernel_choice, "compile_side_by_side", compile_and_note)
     return names
 
 
@@ -292,10 +294,10 @@ def test_machine_code_that_is_not_to_be_had_when_lanes_need_it(compiled, monkeyp
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(rows, "compile_side_by_side", interrupted)
+        patch.setattr(kernel_choice, "compile_side_by_side", interrupted)
         with pytest.raises(Exception, match="no machine code, which lanes need: Key"):
             jax.block_until_ready(many(NONE, NONE))
-    rows._kernel_sets.clear()  # as an edit does
+    kernel_choice._kernel_sets.clear()  # as an edit does
     with pytest.raises(Exception, match="a law was edited since"):
         jax.block_until_ready(many(NONE, NONE))
     assert np.array_equal(many(OBLIQUE, NONE), expected)
@@ -458,14 +460,14 @@ def test_derivatives_of_few_impacts_are_those_of_many(scenes, directions):
     varied = list(range(1, 1 + directions))
 
     def computed(chosen):
-        wanted, values = rows.request(
+        wanted, values = request(
             structure,
             [leaf[chosen] for leaf in leaves],
             PRESETS["fast"],
             False,
             sampled=True,
         )
-        return rows.columns_of(wanted, values, times, varied, in_jax=False)
+        return columns_of(wanted, values, times, varied, in_jax=False)
 
     (numbers, samples), columns = computed(slice(None))
     for count in (1, 2, 3, 5):

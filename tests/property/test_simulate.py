@@ -124,7 +124,8 @@ def chosen(scenes, places):
 def batch(request):
     patch = pytest.MonkeyPatch()
     patch.setattr(
-        "jaximpact.backend.rows.computes_on_cpu", lambda: request.param == "native"
+        "jaximpact.backend.kernel_choice.computes_on_cpu",
+        lambda: request.param == "native",
     )
     # More than all threads compute at once, and no multiple of that.
     scenes = mixed_scenes(4 * LANES_OF_XLA + 2048 * thread_count() + 123)

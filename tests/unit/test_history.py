@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import simpson
 
 from jaximpact import Block, Impact, Scene, Soil, simulate
-from jaximpact.backend import rows
+from jaximpact.backend import kernel_choice
 from jaximpact.errors import InputError
 from jaximpact.impact.problem import assemble, pose
 from jaximpact.impact.results import empty_history
@@ -282,5 +282,5 @@ def test_xla_samples_the_same(monkeypatch):
         return result.history.normal_force / result.max_normal_force
 
     native = found()
-    monkeypatch.setattr(rows, "computes_on_cpu", lambda: False)
+    monkeypatch.setattr(kernel_choice, "computes_on_cpu", lambda: False)
     np.testing.assert_allclose(found(), native, rtol=0.0, atol=1e-6)

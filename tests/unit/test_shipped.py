@@ -90,9 +90,9 @@ def test_usual_scenes_compile_nothing(monkeypatch):
 
     monkeypatch.setattr(lane_functions, "code_of_lanes", compiled)
     native_backend.compile_native.cache_clear()
-    from jaximpact.backend import rows
+    from jaximpact.backend import kernel_choice
 
-    monkeypatch.setattr(rows, "_kernel_sets", {})
+    monkeypatch.setattr(kernel_choice, "_kernel_sets", {})
     simulate(Block(), Soil(), Impact(angle=0.3))
     simulate(Block(), Soil(), Impact(angle=0.3), history=True)
     jax.grad(lambda k: simulate(Block(), Soil(k_E=k), Impact()).e_n)(900.0)

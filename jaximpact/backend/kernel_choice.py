@@ -1,0 +1,143 @@
+"""Which kernels compute impacts: of each lane the cheapest model that is exact."""
+
+import functools
+import math
+
+import jax
+import numpy as np
+
+from .._jax_internals import Tracer, namespace_of, number_in
+from ..errors import IncompleteError
+from ..identity import clear_when_edited, users_code
+from ..impact.dynamics import LedgerItems
+from ..impact.problem import Assembly
+from ..impact.reduced_models import MODELS, exact_models
+from ..scene import Scene
+from .native_backend import compile_side_by_side, computes_on_cpu
+from .request import Request
+from .simd import Kernel, KernelSet
+
+
+def choose(wanted: Request, values: list, varied: list[int]):
+    """Choose the kernels, and give the effort of each lane and the index of its kernel;
+    None where there is no machine code, or none is asked for."""
+    if not (wanted.engine.is_machine_code and computes_on_cpu()):
+        return None
+    # A derivative leaves the symmetry that a cheaper model rests on.
+    known = [x if isinstance(x, Tracer) else np.asarray(x) for x in values]
+    leaves = wanted.leaves(known)
+    many = any(isinstance(x, Tracer) or x.ndim for x in known)
+    if many:
+        scene = jax.tree.unflatten(wanted.structure, leaves)
+        # What is one number for all lanes decides as that number does.
+        known = [number_in(x) if isinstance(x, Tracer) else x for x in known]
+        leaves = wanted.leaves(known, varied)
+        models, possible = exact_models(jax.tree.unflatten(wanted.structure, leaves))
+    else:
+        models, possible = _exact_model(
+            wanted.structure,
+            tuple(
+                math.nan if place in varied else float(leaves[place])
+                for place in _deciding(wanted.structure)
+            ),
+        )
+    key = wanted.structure, wanted.ledger, wanted.sampled
+    certain = not isinstance(models, Tracer)
+    kernels = _kernels(*key, tuple(possible), bool(varied), certain)
+    if kernels is None:
+        return None
+    program = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
+    return kernels, _effort(scene) if many else 0.0, program
+
+
+@functools.lru_cache(maxsize=256)
+def _deciding(structure) -> tuple[int, ...]:
+    posture, damping, _ = groups_of_leaves(structure)
+    return tuple(sorted(posture | damping))
+
+
+@functools.lru_cache(maxsize=1024)
+def _exact_model(structure, deciding: tuple[float, ...]):
+    """`exact_models` of a single impact, by the values that decide."""
+    leaves = [np.nan] * structure.num_leaves
+    for place, value in zip(_deciding(structure), deciding, strict=True):
+        leaves[place] = np.float64(value)
+    return exact_models(jax.tree.unflatten(structure, leaves))
+
+
+clear_when_edited(_exact_model.cache_clear)
+
+
+@functools.lru_cache(maxsize=256)
+def groups_of_leaves(structure) -> tuple[set[int], set[int], set[int]]:
+    """Return the leaves of a scene: those that may leave the symmetry, of dashpots,
+    others."""
+    scene = jax.tree.unflatten(structure, range(structure.num_leaves))
+    posture = {*jax.tree.leaves((scene.block.shape, scene.impact))}
+    posture -= {scene.impact.speed}
+    damping = {*jax.tree.leaves(scene.soil.damping)}
+    return posture, damping, {*range(structure.num_leaves)} - posture - damping
+
+
+def _effort(scene: Scene):
+    """Compute a number that is larger for shorter contacts, to begin the longest ones
+    first, so that few lanes stand empty at the end.
+
+    Contacts are long where the speed into the ground is small beside what gravity gives
+    over the size of a block.
+    """
+    block, impact = scene.block, scene.impact
+    xp = namespace_of(*jax.tree.leaves(scene))
+    size = xp.cbrt(block.mass / block.density)
+    return impact.speed * xp.cos(impact.angle) / xp.sqrt(size)
+
+
+_kernel_sets: dict[tuple, KernelSet] = {}
+clear_when_edited(_kernel_sets.clear)
+
+
+def _kernels(
+    structure,
+    ledger: LedgerItems,
+    sampled: bool,
+    possible: tuple[int, ...],
+    varied: bool,
+    certain: bool,
+) -> KernelSet | None:
+    """Return the kernels of models that lanes are `certain` to need; or of which the
+    most general one without dashpots is compiled at once, and the others when a lane
+    needs them."""
+    key = structure, ledger, sampled, possible, varied, certain
+    if key not in _kernel_sets:
+        assemblies = [Assembly(structure, MODELS[k], ledger) for k in possible]
+        at_once = assemblies
+        # A user's dashpots might have no machine code, which must be known now.
+        if not (certain or users_code(_damping_of(structure))):
+            undamped = [one for one in assemblies if not one.model.damped]
+            at_once = (undamped or assemblies)[-1:]
+        compiled = compile_side_by_side(at_once, varied, sampled)
+        if None in compiled:
+            return None
+        ready = dict(zip(at_once, compiled, strict=True))
+        _kernel_sets[key] = KernelSet(
+            [
+                ready.get(one) or functools.partial(_compile_later, key, one)
+                for one in assemblies
+            ]
+        )
+    return _kernel_sets[key]
+
+
+def _damping_of(structure):
+    return jax.tree.unflatten(structure, range(structure.num_leaves)).soil.damping
+
+
+def _compile_later(key: tuple, assembly: Assembly) -> Kernel:
+    _, _, sampled, _, varied, _ = key
+    (kernel,) = compile_side_by_side([assembly], varied, sampled)
+    if key not in _kernel_sets:
+        # Its other kernels are of the laws as they were.
+        raise IncompleteError("a law was edited since JAX compiled this; call it again")
+    if kernel is None:
+        raise IncompleteError(f"the {assembly.model.name} model has none")
+    return kernel
