@@ -254,7 +254,9 @@ def test_a_worker_killed_at_work_costs_its_task_alone(client):
         submit=lambda task: sent.append(task) or executor.submit(task),
         _client=client,
     )
-    (address, *_), pids = client.scheduler_info()["workers"], client.run(os.getpid)
+    client.wait_for_workers(2)  # The test before has killed one.
+    pids = client.run(os.getpid)
+    address, *_ = pids
 
     def kill_at_work():
         while not client.processing()[address]:
