@@ -2,20 +2,21 @@
 
 import functools
 import math
+from typing import Any
 
 import jax
 import numpy as np
 
 from .._jax_internals import Tracer, namespace_of, number_in
 from ..errors import IncompleteError
-from ..identity import clear_when_edited, users_code
+from ..identity import clear_when_edited, described, users_code
 from ..impact.dynamics import LedgerItems
-from ..impact.problem import Assembly
-from ..impact.reduced_models import MODELS, exact_models
+from ..impact.problem import Assembly, naming
+from ..impact.reduced_models import MODELS, PLANAR, PLANAR_DAMPED, exact_models
 from ..scene import Scene
 from .native_backend import compile_side_by_side, computes_on_cpu
 from .request import Request
-from .simd import Kernel, KernelSet
+from .simd import Kernel, KernelSet, Waiting
 
 
 def choose(wanted: Request, values: list, varied: list[int]):
@@ -105,31 +106,38 @@ def _kernels(
     certain: bool,
 ) -> KernelSet | None:
     """Return the kernels of models that lanes are `certain` to need; or of which the
-    most general one without dashpots is compiled at once, and the others when a lane
-    needs them."""
+    planar one is compiled at once, without dashpots if it can be, and the others wait
+    until a lane needs them."""
     key = structure, ledger, sampled, possible, varied, certain
     if key not in _kernel_sets:
         assemblies = [Assembly(structure, MODELS[k], ledger) for k in possible]
         at_once = assemblies
-        # A user's dashpots might have no machine code, which must be known now.
-        if not (certain or users_code(_damping_of(structure))):
-            undamped = [one for one in assemblies if not one.model.damped]
-            at_once = (undamped or assemblies)[-1:]
+        waiting: dict[Assembly, Any] = {}
+        if not certain:
+            planar = [one for one in assemblies if one.model in (PLANAR, PLANAR_DAMPED)]
+            first = (planar or assemblies)[0]
+            waiting = {one: _waiting(key, one) for one in assemblies if one != first}
+            # All at once where one may not wait
+            at_once = assemblies if None in waiting.values() else [first]
         compiled = compile_side_by_side(at_once, varied, sampled)
         if None in compiled:
             return None
         ready = dict(zip(at_once, compiled, strict=True))
-        _kernel_sets[key] = KernelSet(
-            [
-                ready.get(one) or functools.partial(_compile_later, key, one)
-                for one in assemblies
-            ]
-        )
+        kernels = [ready.get(one) or waiting[one] for one in assemblies]
+        _kernel_sets[key] = KernelSet(kernels)
     return _kernel_sets[key]
 
 
-def _damping_of(structure):
-    return jax.tree.unflatten(structure, range(structure.num_leaves)).soil.damping
+def _waiting(key: tuple, assembly: Assembly) -> Waiting | None:
+    """Describe a kernel that is compiled later; None if it is not known what all it
+    depends on, or if dashpots are a user's, which might have no machine code."""
+    _, _, sampled, _, varied, _ = key
+    what, tree = naming(assembly, varied, sampled)
+    description = described(tree)
+    if description is None or users_code(tree.soil.damping):
+        return None
+    compile_it = functools.partial(_compile_later, key, assembly)
+    return Waiting(repr((what, description)), compile_it)
 
 
 def _compile_later(key: tuple, assembly: Assembly) -> Kernel:

@@ -286,6 +286,24 @@ def test_derivatives_too_compile_the_models_that_lanes_need(compiled):
     assert vertical[0] == slope(0.0, 0.0, 800.0)
 
 
+def test_models_that_wait_in_the_same_place_are_told_apart(compiled):
+    """Beside the planar model with dashpots, the vertical one with its dashpot where
+    that works, and else without."""
+    flow = own_law(1.04)
+
+    def e_n(eta_N, eta_T, angle):
+        soil = Soil(flow=flow, damping=DampingRatios(eta_N, eta_T, 0.0))
+        impact = Impact(angle=angle)
+        return simulate(Block(aspect_ratio=2.0), soil, impact, ledger=False).e_n
+
+    for ratios in ((0.1, 0.0), (0.0, 0.1)):
+        of_angle = functools.partial(e_n, *ratios)
+        found = jax.jit(jax.vmap(of_angle))(np.where(OBLIQUE < 0.3, 0.0, OBLIQUE))
+        assert found[0] == of_angle(0.0)
+        assert found[3] == of_angle(OBLIQUE[3])
+    assert {"vertical", "vertical, with dashpot"} < set(compiled)
+
+
 def test_machine_code_that_is_not_to_be_had_when_lanes_need_it(compiled, monkeypatch):
     many = jax.jit(jax.vmap(functools.partial(e_n_of_any, own_law(1.03))))
     expected = many(OBLIQUE, NONE)

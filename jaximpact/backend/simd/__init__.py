@@ -10,7 +10,7 @@ from .kernel import (
     compile_code,
     compile_kernel,
 )
-from .kernel_set import KernelSet
+from .kernel_set import KernelSet, Waiting
 from .lower_jaxpr import NoMachineCode
 from .object_files import keep_objects
 from .target import LEVELS, compiling_for, host
@@ -25,6 +25,7 @@ __all__ = [
     "LaneFunctions",
     "NoMachineCode",
     "Retries",
+    "Waiting",
     "compile_code",
     "compile_kernel",
     "compiling_for",

@@ -5,7 +5,7 @@ import functools
 import hashlib
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -29,18 +29,23 @@ USUAL_STEPS = 2_000
 once more."""
 
 
+class Waiting(NamedTuple):
+    """A kernel that an operation of XLA has compiled when the first lane needs it."""
+
+    name: str
+    """Name that no other kernel has, in any process."""
+    compile: Callable[[], Kernel]
+
+
 class KernelSet:
     """Kernels with the same rows of inputs and of results, by which lanes are computed
     and differentiated along so many directions, of those that the kernels have.
 
-    In place of a kernel, but not of all, there may be a function that compiles it. An
-    operation of XLA calls it as the first lane needs that kernel; which ones lanes need
-    is not known when JAX traces. What Python computes by itself needs every kernel.
+    Kernels may wait, but not all: when JAX traces it is not known which ones lanes
+    need. What Python computes by itself needs every kernel.
     """
 
-    def __init__(
-        self, kernels: Sequence[Kernel | Callable[[], Kernel]], directions: int = 0
-    ):
+    def __init__(self, kernels: Sequence[Kernel | Waiting], directions: int = 0):
         if len(kernels) > PROGRAMS:
             raise ValueError(f"{len(kernels)} kernels, but there can be {PROGRAMS}")
         self.kernels, self.directions = tuple(kernels), directions
@@ -65,9 +70,9 @@ class KernelSet:
     def _fill(self, settings: Operation) -> None:
         settings.count = len(self.kernels)
         for place, kernel in enumerate(self.kernels):
-            is_ready = isinstance(kernel, Kernel)
-            settings.waiting[place] = not is_ready
-            known = kernel if isinstance(kernel, Kernel) else self._first
+            waits = isinstance(kernel, Waiting)
+            settings.waiting[place] = waits
+            known = self._first if waits else kernel
             settings.programs[place] = known.program_along(self.directions)
         settings.directions = self.directions
         settings.samples = self.sampled_rows > 0
@@ -81,10 +86,9 @@ class KernelSet:
         which must never stand for other code."""
         digest = hashlib.sha256(driver_object())
         digest.update(f"{len(self.kernels)} {self.directions}".encode())
-        for place, kernel in enumerate(self.kernels):
-            if not isinstance(kernel, Kernel):
-                # Of the same laws as the others, by which it is told apart
-                digest.update(f"waiting {place}".encode())
+        for kernel in self.kernels:
+            if isinstance(kernel, Waiting):
+                digest.update(kernel.name.encode())
                 continue
             digest.update(kernel.layout)
             for object_file in kernel.code.object_files:
@@ -95,7 +99,7 @@ class KernelSet:
         """Load a driver whose handler serves XLA with these kernels."""
         driver = load_driver()
         self._fill(driver.operation)
-        make_ready = MAKE_READY(_Waiting(self, driver.operation).make_ready)
+        make_ready = MAKE_READY(_Compiler(self, driver.operation).make_ready)
         driver.operation.make_ready = ctypes.cast(make_ready, ctypes.c_void_p)
         return driver._replace(alive=make_ready)
 
@@ -184,8 +188,8 @@ class KernelSet:
         return rows, results
 
 
-class _Waiting:
-    """Kernels of a set that are compiled when an operation first needs them."""
+class _Compiler:
+    """Compiles the kernels of a set that wait, for an operation."""
 
     def __init__(self, kernels: KernelSet, operation: Operation):
         self.kernels, self.operation = kernels, operation
@@ -199,8 +203,8 @@ class _Waiting:
         try:
             with self.lock:
                 if place not in self.compiled:
-                    compile_kernel: Any = self.kernels.kernels[place]
-                    kernel = compile_kernel()
+                    waiting: Any = self.kernels.kernels[place]
+                    kernel = waiting.compile()
                     program = kernel.program_along(self.kernels.directions)
                     self.operation.programs[place] = program
                     self.compiled[place] = kernel
