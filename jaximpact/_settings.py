@@ -33,6 +33,16 @@ def own_transfers() -> Iterator[None]:
 
 
 @contextlib.contextmanager
+def thread_settings() -> Iterator[None]:
+    """Make the settings of JAX that a new thread does not take over from the one that
+    starts it."""
+    import jax
+
+    with jax.enable_x64(True), own_transfers():
+        yield
+
+
+@contextlib.contextmanager
 def collector_paused() -> Iterator[None]:
     """Pause the collection of reference cycles, for code that makes none.
 

@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ._settings import thread_settings
 from .errors import InputError
 from .finding import describe_error
 from .identity import clear_when_edited, is_ours, made_of, tracing
@@ -54,13 +55,13 @@ def check_part(slot: str, part: Part) -> None:
 
 @functools.lru_cache(maxsize=256)
 def _check_once(slot: str, structure: Any) -> None:
-    # The first call may stand inside of a `jax.jit`, which a thread of its own is not.
+    # The first call may stand inside of a `jax.jit`; a new thread is outside of it.
     with concurrent.futures.ThreadPoolExecutor(1) as pool:
         pool.submit(_check, slot, structure).result()
 
 
 def _check(slot: str, structure: Any) -> None:
-    with jax.enable_x64(True), tracing():
+    with thread_settings(), tracing():
         _try_part(slot, structure)
 
 

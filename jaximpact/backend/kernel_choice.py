@@ -2,12 +2,13 @@
 
 import functools
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
 from .._jax_internals import Tracer, namespace_of, number_in
+from .._types import Structure
 from ..errors import IncompleteError
 from ..identity import clear_when_edited, described, users_code
 from ..impact.dynamics import LedgerItems
@@ -16,7 +17,7 @@ from ..impact.reduced_models import MODELS, PLANAR, PLANAR_DAMPED, exact_models
 from ..scene import Scene
 from .native_backend import compile_side_by_side, computes_on_cpu
 from .request import Request
-from .simd import Kernel, KernelSet, Waiting
+from .simd import MOST_DIRECTIONS, Kernel, KernelSet, Waiting
 
 
 def choose(wanted: Request, values: list, varied: list[int]):
@@ -42,9 +43,15 @@ def choose(wanted: Request, values: list, varied: list[int]):
                 for place in _deciding(wanted.structure)
             ),
         )
-    key = wanted.structure, wanted.ledger, wanted.sampled
-    certain = not isinstance(models, Tracer)
-    kernels = _kernels(*key, tuple(possible), bool(varied), certain)
+    key = _Key(
+        structure=wanted.structure,
+        ledger=wanted.ledger,
+        sampled=wanted.sampled,
+        possible=tuple(possible),
+        varied=bool(varied),
+        certain=not isinstance(models, Tracer),
+    )
+    kernels = _kernels(key)
     if kernels is None:
         return None
     program = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
@@ -93,33 +100,44 @@ def _effort(scene: Scene):
     return impact.speed * xp.cos(impact.angle) / xp.sqrt(size)
 
 
-_kernel_sets: dict[tuple, KernelSet] = {}
+class _Key(NamedTuple):
+    """What a set of kernels is for."""
+
+    structure: Structure
+    ledger: LedgerItems
+    sampled: bool
+    possible: tuple[int, ...]
+    """Places in `MODELS` of those that lanes may need."""
+    varied: bool
+    """Whether there are derivatives."""
+    certain: bool
+    """Whether it is known that lanes need all of these models."""
+
+    def compile(self, assemblies: list[Assembly]) -> list[Kernel | None]:
+        return compile_side_by_side(assemblies, self.varied, self.sampled)
+
+
+_kernel_sets: dict[_Key, KernelSet] = {}
 clear_when_edited(_kernel_sets.clear)
 
 
-def _kernels(
-    structure,
-    ledger: LedgerItems,
-    sampled: bool,
-    possible: tuple[int, ...],
-    varied: bool,
-    certain: bool,
-) -> KernelSet | None:
-    """Return the kernels of models that lanes are `certain` to need; or of which the
-    planar one is compiled at once, without dashpots if it can be, and the others wait
-    until a lane needs them."""
-    key = structure, ledger, sampled, possible, varied, certain
+def _kernels(key: _Key) -> KernelSet | None:
+    """Return the kernels of the possible models; None where one of them has no machine
+    code. If it is not certain that lanes need them all, the planar model is compiled at
+    once, without dashpots if that is possible, and the others wait."""
     if key not in _kernel_sets:
-        assemblies = [Assembly(structure, MODELS[k], ledger) for k in possible]
+        assemblies = [
+            Assembly(key.structure, MODELS[k], key.ledger) for k in key.possible
+        ]
         at_once = assemblies
         waiting: dict[Assembly, Any] = {}
-        if not certain:
+        if not key.certain:
             planar = [one for one in assemblies if one.model in (PLANAR, PLANAR_DAMPED)]
             first = (planar or assemblies)[0]
             waiting = {one: _waiting(key, one) for one in assemblies if one != first}
             # All at once where one may not wait
             at_once = assemblies if None in waiting.values() else [first]
-        compiled = compile_side_by_side(at_once, varied, sampled)
+        compiled = key.compile(at_once)
         if None in compiled:
             return None
         ready = dict(zip(at_once, compiled, strict=True))
@@ -128,11 +146,11 @@ def _kernels(
     return _kernel_sets[key]
 
 
-def _waiting(key: tuple, assembly: Assembly) -> Waiting | None:
+def _waiting(key: _Key, assembly: Assembly) -> Waiting | None:
     """Describe a kernel that is compiled later; None if it is not known what all it
     depends on, or if dashpots are a user's, which might have no machine code."""
-    _, _, sampled, _, varied, _ = key
-    what, tree = naming(assembly, varied, sampled)
+    directions = MOST_DIRECTIONS if key.varied else 0
+    what, tree = naming(assembly, directions, key.sampled)
     description = described(tree)
     if description is None or users_code(tree.soil.damping):
         return None
@@ -140,12 +158,11 @@ def _waiting(key: tuple, assembly: Assembly) -> Waiting | None:
     return Waiting(repr((what, description)), compile_it)
 
 
-def _compile_later(key: tuple, assembly: Assembly) -> Kernel:
-    _, _, sampled, _, varied, _ = key
-    (kernel,) = compile_side_by_side([assembly], varied, sampled)
+def _compile_later(key: _Key, assembly: Assembly) -> Kernel:
+    (kernel,) = key.compile([assembly])
     if key not in _kernel_sets:
         # Its other kernels are of the laws as they were.
         raise IncompleteError("a law was edited since JAX compiled this; call it again")
     if kernel is None:
-        raise IncompleteError(f"the {assembly.model.name} model has none")
+        raise IncompleteError(f"there is none for the {assembly.model.name} model")
     return kernel

@@ -17,7 +17,7 @@ from typing import Any
 import jax
 
 from .._packages import versions
-from .._settings import own_transfers
+from .._settings import thread_settings
 from ..accuracy import MAX_STEPS, RETRIES
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..identity import clear_when_edited, described, heed_edits, tracing, users_code
@@ -168,7 +168,7 @@ def compile_side_by_side(
     context = contextvars.copy_context()
 
     def compile_in_thread(assembly: Assembly) -> Kernel | None:
-        with jax.enable_x64(True), own_transfers():
+        with thread_settings():
             return context.copy().run(compile_native, assembly, differentiated, sampled)
 
     # What a user's law changes as it is traced must not meet another trace.

@@ -30,7 +30,7 @@ once more."""
 
 
 class Waiting(NamedTuple):
-    """A kernel that an operation of XLA has compiled when the first lane needs it."""
+    """Kernel that is compiled when the first lane of an operation of XLA needs it."""
 
     name: str
     """Name that no other kernel has, in any process."""
@@ -189,7 +189,7 @@ class KernelSet:
 
 
 class _Compiler:
-    """Compiles the kernels of a set that wait, for an operation."""
+    """Compiler of the kernels of a set that wait, for one operation."""
 
     def __init__(self, kernels: KernelSet, operation: Operation):
         self.kernels, self.operation = kernels, operation
@@ -198,8 +198,8 @@ class _Compiler:
         self.lock = threading.Lock()
 
     def make_ready(self, place: int) -> bool:
-        """Compile a kernel, and put its program in its place. Tells whether it is
-        there; if not, the operation has what is wrong."""
+        """Compile a kernel, and put its program in its place. Returns True if it is
+        there; else `problem` of the operation says why it is not."""
         try:
             with self.lock:
                 if place not in self.compiled:
