@@ -3,7 +3,7 @@
 import contextlib
 import difflib
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 
 LONGEST = 600
 """Characters of a message."""
@@ -95,13 +95,36 @@ def shown(text: str) -> str:
     )
 
 
-def nearest(name: str, known) -> str:
-    """Find the known name most like a given one."""
+OTHER_WORDS = {
+    "ground": ["soil"],
+    "soil": ["ground"],
+    "sphere": ["Ellipsoid"],
+    "min": ["least", "lower"],
+    "max": ["most", "upper"],
+}
+"""Words that users write for names of the package."""
+FEW_NAMES = 15
+"""Known names that an error lists where none is like the one that was given."""
+
+
+def did_you_mean(name, known: Iterable, show: Callable[[str], str] = str) -> str:
+    """What may have been meant by an unknown name, to follow "is unknown; ": the known
+    name most like it; where none is, all of them if they are few.
+
+    Args:
+        show: how a known name is shown.
+    """
     folded = {str(k).lower(): str(k) for k in known}
     # Comparing takes as long as the name is.
     asked = str(name)[:LONGEST].lower()
-    matches = difflib.get_close_matches(asked, folded, n=1, cutoff=0.0)
-    return folded[matches[0]]
+    like = [k for k in OTHER_WORDS.get(asked, []) if k.lower() in folded]
+    like = like or difflib.get_close_matches(asked, folded, n=1)
+    like = like or [k for k in folded if len(asked) > 2 and k.startswith(asked)]
+    if like:
+        return f"did you mean {show(folded[like[0].lower()])}?"
+    if len(folded) > FEW_NAMES:
+        return f"none of the {len(folded)} known names is like it"
+    return f"known are {', '.join(map(show, folded.values()))}"
 
 
 def check_choice(name: str, value, known: Collection[str], **place) -> None:
@@ -113,6 +136,9 @@ def check_choice(name: str, value, known: Collection[str], **place) -> None:
     """
     is_text = isinstance(value, str)
     if not is_text or value not in known:
-        hint = f"; did you mean {nearest(value, known)}?" if is_text else ""
-        problem = f"must be one of {', '.join(known)}, but is {value!r}{hint}"
+        problem = f"must be one of {', '.join(known)}, but is {value!r}"
+        hint = did_you_mean(value, known) if is_text else ""
+        # All known names stand in the error already.
+        if hint.startswith("did"):
+            problem += f"; {hint}"
         raise InputError(f"{name} {problem}".lstrip(), **place)

@@ -16,7 +16,7 @@ from types import CodeType, ModuleType
 from typing import NamedTuple
 
 from ._packages import is_installed
-from .errors import InputError, nearest
+from .errors import InputError, did_you_mean
 from .interruption import is_interrupt
 
 CURE = (
@@ -81,7 +81,7 @@ def find_class(slot: str, base: type, text: str, directory: Path | None = None) 
             return known[_folded(text)]
         names = [kind.__name__ for kind in shipped(base)]
         raise InputError(
-            f"{slot} {text!r} is unknown; did you mean {nearest(text, names)}? (there "
+            f"{slot} {text!r} is unknown; {did_you_mean(text, names)} (there "
             f"are {', '.join(names)}; one of your own is named as 'file.py:Class')"
         )
     if place.endswith(".py"):
@@ -100,7 +100,7 @@ def find_class(slot: str, base: type, text: str, directory: Path | None = None) 
     kind = getattr(module, name, None)
     if not isinstance(kind, type):
         kinds = [n for n, value in vars(module).items() if isinstance(value, type)]
-        hint = f"; did you mean {nearest(name, kinds)}?" if kinds else ""
+        hint = f"; {did_you_mean(name, kinds)}" if kinds else ""
         raise InputError(f"{slot} {text!r}: there is no class {name}{hint}")
     if not issubclass(kind, base):
         raise InputError(

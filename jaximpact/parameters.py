@@ -30,7 +30,7 @@ from ._jax_internals import Tracer
 from ._precision import float64_leaf
 from ._tables import Row, html_table
 from ._types import Number, Shown
-from .errors import InputError, UnusualValueWarning, nearest
+from .errors import InputError, UnusualValueWarning, did_you_mean
 from .finding import find_part
 from .units import SIZES, SUFFIXES
 
@@ -297,9 +297,7 @@ class Part(Module):
         names = _names(cls)
         for name in named:
             if name not in names:
-                hint = (
-                    f"did you mean {nearest(name, names)}?" if names else "it has none"
-                )
+                hint = did_you_mean(name, names) if names else "it has none"
                 raise TypeError(f"{cls.__name__} has no field {name!r}; {hint}")
         # More than there are fields: Python itself complains.
         for name, value in (*zip(names, values, strict=False), *named.items()):
@@ -434,7 +432,7 @@ class Composite(Module):
                 known = (*fields, *owner)
                 raise TypeError(
                     f"{kind.__name__} has no parameter {name!r}{_unusual_parts(self)}; "
-                    f"did you mean {nearest(name, known)}?"
+                    f"{did_you_mean(name, known)}"
                 )
         for slot, values in changed.items():
             object.__setattr__(self, slot, _changed(vars(self)[slot], values))
@@ -489,7 +487,7 @@ class Composite(Module):
                 known = [*fields, *(n for s in slots for n in parameters_of(fields[s]))]
                 raise AttributeError(
                     f"{type(self).__name__} has no parameter {name!r}"
-                    f"{_unusual_parts(self)}; did you mean {nearest(name, known)}?"
+                    f"{_unusual_parts(self)}; {did_you_mean(name, known)}"
                 )
         raise AttributeError(f"{type(self).__name__!r} object has no {name!r}")
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 from ._settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy
-from .errors import InputError, nearest
+from .errors import InputError, did_you_mean
 from .scene import Scene
 from .scene_quantities import scene_of_values
 from .sweeping import LABELS, Axes, sweep
@@ -60,9 +60,7 @@ def parametric_set(name: str, ground: str | None = None) -> tuple[Scene, Axes]:
     Raises InputError for unknown names, with the nearest known.
     """
     if not isinstance(name, str) or name not in _SETS:
-        raise InputError(
-            f"{name} is no parametric set; did you mean {nearest(name, _SETS)}?"
-        )
+        raise InputError(f"{name} is no parametric set; {did_you_mean(name, _SETS)}")
     values, axes = _SETS[name]
     if ground is None:
         return scene_of_values(values), axes
@@ -98,6 +96,5 @@ def check_ground(ground: str) -> None:
     """Raise InputError unless it is one of `GROUNDS`."""
     if ground not in GROUNDS:
         raise InputError(
-            f"the ground must be one of {', '.join(map(repr, GROUNDS))}, but is "
-            f"{ground!r}; did you mean {nearest(ground, GROUNDS)!r}?"
+            f"ground {ground!r} is unknown; {did_you_mean(ground, GROUNDS, repr)}"
         )

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 import jax
 import numpy as np
 
-from .errors import InputError, nearest
+from .errors import InputError, did_you_mean
 from .finding import shipped
 from .identity import clear_when_edited
 from .parameters import Composite, Declared, Part, declared_of, default_part, parts_of
@@ -233,7 +233,7 @@ def why_unknown(name: str, known: Iterable[str]) -> str:
                 f"it belongs to the {slot.replace('_', ' ')} {' or '.join(owners)}, "
                 f'which is not chosen ({slot} = "{owners[0]}")'
             )
-    return f"did you mean {nearest(name, known)}?"
+    return did_you_mean(name, known)
 
 
 def leaf_places(scene: Scene) -> dict[str, int]:

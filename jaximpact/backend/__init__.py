@@ -5,7 +5,7 @@ Engines have names: machine code, or diffrax with one of its solvers.
 
 from typing import TYPE_CHECKING, NamedTuple, Union
 
-from ..errors import InputError, nearest
+from ..errors import InputError, did_you_mean
 
 if TYPE_CHECKING:  # which takes a while to load
     import diffrax
@@ -52,5 +52,5 @@ def get_engine(engine: Union[str, "diffrax.AbstractAdaptiveSolver"]) -> Engine:
         )
     raise InputError(
         f"engine must be one of {', '.join(ENGINES)}, or a solver of diffrax, but "
-        f"{engine!r} was given; did you mean {nearest(engine, ENGINES)!r}?"
+        f"{engine!r} was given; {did_you_mean(engine, ENGINES, repr)}"
     )

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError, UnusualValueWarning, nearest
+from ..errors import InputError, UnusualValueWarning, did_you_mean
 from ..io.files import read_input
 from .coordinates import LARGEST
 
@@ -125,7 +125,7 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
             ) from None
     others = ", ".join(f"{count} {kind}" for kind, count in passed_over.items())
     if not lines and layers and layer is not None:
-        hint = f"did you mean {nearest(layer, layers)!r}?"
+        hint = did_you_mean(layer, layers, repr)
         raise InputError(f"has no line on a layer {layer!r}; {hint}", file=path)
     if not lines:
         besides = f"; it has {others}, which must be exploded into lines"

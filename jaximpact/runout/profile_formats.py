@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._settings import numpy_settings
-from ..errors import InputError, located, nearest
+from ..errors import InputError, did_you_mean, located
 from ..io.files import check_text, read_input
 from ..io.scene_table import reads_as_number, records_of
 from ..quantities import columns_of_part
@@ -152,7 +152,7 @@ def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None
                 "it under [ground] or in the soil"
             )
         elif name not in known:
-            problem = f"is unknown; did you mean {nearest(name, known)}?"
+            problem = f"is unknown; {did_you_mean(name, known)}"
         elif name in names[:place]:
             problem = "stands twice in the header"
         if problem:

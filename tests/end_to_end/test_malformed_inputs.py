@@ -27,7 +27,7 @@ from jaximpact import (
 )
 from jaximpact.calibration.arguments import table_given
 from jaximpact.cli import main
-from jaximpact.errors import InputError, UnusualValueWarning, nearest, shown
+from jaximpact.errors import InputError, UnusualValueWarning, did_you_mean, shown
 from jaximpact.io.files import read_input
 from jaximpact.runout import (
     ClosedForm,
@@ -496,7 +496,25 @@ def test_what_is_shown_of_a_text(text, expected):
 
 
 def test_the_nearest_name_of_an_endless_one_is_found_at_once():
-    assert nearest("mass" + "x" * 10_000_000, ["mass_kg", "k_E"]) == "mass_kg"
+    known = ["mass_kg", "k_E"]
+    assert did_you_mean("mass" + "x" * 10_000_000, known) == "known are mass_kg, k_E"
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "words"),
+    [
+        ("c_w", ["c_v", "k_E"], "did you mean c_v?"),
+        ("VOLUME", ["volume_m3", "mass_kg"], "did you mean volume_m3?"),
+        ("ground", ["impact", "soil", "friction_angle_deg"], "did you mean soil?"),
+        ("min", ["median", "least", "most"], "did you mean least?"),
+        ("min", ["prior", "lower", "upper"], "did you mean lower?"),
+        ("Sphere", ["EllipticCylinder", "Ellipsoid"], "did you mean Ellipsoid?"),
+        ("Rn", ["bearing", "mass_kg"], "known are bearing, mass_kg"),
+        ("flow", map(str, range(40)), "none of the 40 known names is like it"),
+    ],
+)
+def test_what_may_have_been_meant(name, known, words):
+    assert did_you_mean(name, known) == words
 
 
 def test_a_pipe_is_read(folder):

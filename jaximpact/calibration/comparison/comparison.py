@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import InputError, nearest
+from ...errors import InputError, did_you_mean
 from ...progress import tell, within
 from ...scene_quantities import SHAPE
 from ..diagnostics.results import VariantResult
@@ -378,8 +378,8 @@ def _groups(study: Study, name: str) -> Groups:
         labels = _labels_of_numbers(tests.inputs[name])
     else:
         raise InputError(
-            f"by names {name!r}, which is no column of the tests; did you mean "
-            f"{nearest(name, [*texts, *tests.inputs])!r}?",
+            f"by names {name!r}, which is no column of the tests; "
+            f"{did_you_mean(name, [*texts, *tests.inputs], repr)}",
             file=study.path,
         )
     there = np.any(study.known, axis=1)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from ..._checks import expect
-from ...errors import InputError, nearest
+from ...errors import InputError, did_you_mean
 from ...finding import find_class, shipped
 from ...laws.bearing import VesicWithInertia
 from ...laws.elasticity import ContactPressureModulus
@@ -145,7 +145,7 @@ def _named(text: str, study: Study) -> list[Contender]:
         if _folded(text) == _folded(kind.__name__):
             return [_replacing(study.variants[0], slot, kind())]
         known.append(kind.__name__)
-    raise InputError(f"law {text!r} is unknown; did you mean {nearest(text, known)!r}?")
+    raise InputError(f"law {text!r} is unknown; {did_you_mean(text, known, repr)}")
 
 
 def _laws_of_ground() -> Iterator[tuple[str, type[Part]]]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..._checks import real_numbers
-from ...errors import InputError, nearest
+from ...errors import InputError, did_you_mean
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.toml import Key, check_keys, choice, known_table, number, typed, whole
 from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS, InputColumn, why_unknown
@@ -94,7 +94,7 @@ def checked_measure(
         place = {"file": file, "key": f"{key}.{name}"}
         if name not in TARGET_COLUMNS or name in CURVE_COLUMNS:
             raise InputError(
-                f"is unknown; did you mean {nearest(name, TARGET_COLUMNS)}?", **place
+                f"is unknown; {did_you_mean(name, TARGET_COLUMNS)}", **place
             )
         sigma = stated if isinstance(stated, Sigma) else Sigma(absolute=float(stated))
         if not (min(sigma) >= 0.0 and 0.0 < max(sigma) < np.inf):

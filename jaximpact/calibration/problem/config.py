@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...accuracy import PRESETS
-from ...errors import InputError, nearest
+from ...errors import InputError, did_you_mean
 from ...io.checks import check_memory
 from ...io.toml import Key, check_keys, choice, known_table, load_toml, typed, whole
 from ...parameters import Part
@@ -125,8 +125,7 @@ class Study:
         names = [known.name for known in self.variants]
         if variant not in names:
             raise InputError(
-                f"variant {variant!r} is unknown; did you mean "
-                f"{nearest(variant, names)!r}?"
+                f"variant {variant!r} is unknown; {did_you_mean(variant, names, repr)}"
             )
         return names.index(variant)
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..._jax_internals import namespace_of
-from ...errors import nearest
+from ...errors import did_you_mean
 from ...io.toml import Key
 from ...quantities import InputColumn
 
@@ -129,7 +129,7 @@ def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[
                 if name not in known:
                     raise key.error(
                         f"names {name!r}, which is not fitted and has no fixed value; "
-                        f"did you mean {nearest(name, known)!r}?"
+                        f"{did_you_mean(name, known, repr)}"
                     )
                 used.append(name)
             case ast.Constant(value=bool()):

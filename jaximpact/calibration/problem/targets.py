@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...errors import InputError, nearest
+from ...errors import InputError, did_you_mean
 from ...io.toml import Key, choice, number, typed, unknown
 from ...quantities import (
     CURVE_COLUMNS,
@@ -61,8 +61,9 @@ def _targets(top: Key, content: dict, tests: Measurements, nuisances):
         raise key.error("names no result to fit")
     for name in targets:
         if name not in tuple(TARGET_COLUMNS):
-            near = nearest(name, TARGET_COLUMNS)
-            raise key.error(f"{name!r} is unknown; did you mean {near}?")
+            raise key.error(
+                f"{name!r} is unknown; {did_you_mean(name, TARGET_COLUMNS)}"
+            )
         if name not in tests.measured:
             raise key.error(f"{name} is no column of {first.name}")
         if targets.count(name) > 1:

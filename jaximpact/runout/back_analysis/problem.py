@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import nearest
+from ...errors import did_you_mean
 from ...io.checks import check_memory
 from ...io.files import read_input
 from ...io.toml import Key, of_kind, parse_toml, typed, unknown, whole
@@ -170,7 +170,7 @@ def _priors(
             for part, quantities in typed(where, fit, name, dict).items():
                 key, known = where[name][part], ground.get(name, {})
                 if name == "materials" and part not in known:
-                    hint = f"; did you mean {nearest(part, known)}?" if known else ""
+                    hint = f"; {did_you_mean(part, known)}" if known else ""
                     raise key.error(f"is no material of [ground.materials]{hint}")
                 for inner, prior in of_kind(key, quantities, dict).items():
                     if inner not in columns:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.special import ndtri
 
-from ...errors import InputError, UnusualValueWarning, nearest
+from ...errors import InputError, UnusualValueWarning, did_you_mean
 from ...io.files import read_input
 from ...parameters import parts_of
 from ...scene import Soil
@@ -154,12 +154,12 @@ def _variant(file: Path, ground: "FittedGround", wanted: str | None) -> "FittedV
         return ground.variants[0]
     if wanted is None:
         raise InputError(
-            f"holds {len(fits)} variants; variant must say which: {', '.join(fits)}",
+            f"has {len(fits)} variants; variant must say which: {', '.join(fits)}",
             file=file,
         )
     if wanted not in fits:
         raise InputError(
-            f"holds no variant {wanted!r}; did you mean {nearest(wanted, [*fits])!r}?",
+            f"has no variant {wanted!r}; {did_you_mean(wanted, fits, repr)}",
             file=file,
         )
     return fits[wanted]

@@ -9,7 +9,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from ...errors import nearest
+from ...errors import did_you_mean
 from ...io.toml import Key, number, of_kind, typed, unknown, with_named_parts
 from ...laws import WorkConjugate
 from ...parameters import parts_of
@@ -370,7 +370,7 @@ def _check_names(
     known = [part.name for part in parts.values() if part.segment is None]
     for name in materials:
         if name not in known:
-            hint = f"; did you mean {nearest(name, known)!r}?" if known else ""
+            hint = f"; {did_you_mean(name, known, repr)}" if known else ""
             raise key["materials"].error(
                 f"must define the material {name!r} of the profile{hint}"
             )
