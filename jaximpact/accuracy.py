@@ -51,9 +51,9 @@ class Accuracy:
 
 
 PRESETS = {
-    "fast": Accuracy("fast", 1e-3, 1e-2),
-    "balanced": Accuracy("balanced", 1e-5, 1e-2),
-    "reference": Accuracy("reference", 1e-8, 1e-2),
+    "fast": Accuracy("fast", 1e-3, 5e-3),
+    "balanced": Accuracy("balanced", 1e-5, 5e-3),
+    "reference": Accuracy("reference", 1e-8, 5e-3),
 }
 """Settings of the error control by name: `fast`, `balanced` and `reference`."""
 

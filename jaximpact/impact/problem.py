@@ -73,6 +73,20 @@ LOADS = ("elastic_normal", "elastic_tangential", "elastic_rotation", *FORCES)
 
 EARLY, EARLY_TOLERANCE = 0.1, 0.03
 """Penetration by R up to which errors count less, and the most that may be allowed."""
+ALLOWED_MORE = {
+    "elastic_normal": 20.0,
+    "elastic_tangential": 3.0,
+    "elastic_rotation": 3.0,
+}
+"""How much more error is allowed of the springs. They follow the load at once: what is
+wrong in one step is not carried on, and results hardly show it."""
+OF_THEIR_SIZE = {
+    "normal_velocity": 0.02,
+    "tangential_velocity": 0.02,
+    "angular_velocity": 0.02,
+}
+"""Part of its size that counts for the error allowed of a velocity. What is wrong in it
+stays to the end, and the coefficients of restitution are made of it."""
 
 
 class Observed(NamedTuple):
@@ -117,8 +131,9 @@ class Problem(eqx.Module):
         return MAX_STEPS_DAMPED if self.model.damped else MAX_STEPS
 
     def allowed_error(self, size, largest_force) -> Float[Array, " n"]:
-        """Compute the error of each unknown allowed in a step: `tolerance (size + floor
-        scale)`, and more at the onset.
+        """Compute the error of each unknown allowed in a step: `tolerance w (r size +
+        floor scale)` with `w` of `ALLOWED_MORE` and `r` of `OF_THEIR_SIZE`, else 1, and
+        more at the onset.
 
         What carries the load grows from a billionth of its scale. Were its errors at
         the onset measured by what it comes to, moment and shear would be noise there,
@@ -136,16 +151,18 @@ class Problem(eqx.Module):
         most = jnp.maximum(1.0, EARLY_TOLERANCE / self.tolerance)
         early = jnp.sqrt(jnp.sqrt(late / jnp.maximum(penetration, 1e-30)))
         early = jnp.clip(early, 1.0, most)
-        share = self.tolerance * self.floor
         reached = jax.lax.stop_gradient(largest_force / self.force_scale)
-        load_share = jnp.minimum(share, 0.1 * reached)
-        return early * jnp.stack(
-            [
-                self.tolerance * size[row]
-                + (load_share if name in LOADS else share) * self.scale[row]
-                for row, name in enumerate(self.model.unknowns)
-            ]
-        )
+        rows = []
+        for name, value, scale in zip(
+            self.model.unknowns, size, self.scale, strict=True
+        ):
+            tolerance = self.tolerance * ALLOWED_MORE.get(name, 1.0)
+            share = tolerance * self.floor
+            if name in LOADS:
+                share = jnp.minimum(share, 0.1 * reached)
+            relative = tolerance * OF_THEIR_SIZE.get(name, 1.0)
+            rows.append(relative * value + share * scale)
+        return early * jnp.stack(rows)
 
     def is_jump_of_forces(self, before, after) -> Flag:
         """Tell whether a change of state is one of the forces alone, by no more than

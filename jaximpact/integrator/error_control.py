@@ -1,6 +1,6 @@
 r"""Proportional-integral (PI) step size control.
 
-$$ h_{k+1} = h_k \, \mathrm{clip}\bigl(0.85 \, e_k^{-1/p} e_{k-1}^{0.1/p},\; 0.2,\; 10
+$$ h_{k+1} = h_k \, \mathrm{clip}\bigl(0.85 \, e_k^{-1/p} e_{k-1}^{0.2/p},\; 0.2,\; 10
    \bigr) $$
 
 with the errors $e$ of accepted steps in units of what is allowed, and the order $p$ of
@@ -25,7 +25,7 @@ from .._types import Scalar
 
 SAFETY = 0.85
 """Fraction of the width that would bring the error to what is allowed."""
-PROPORTIONAL = 0.1
+PROPORTIONAL = 0.2
 """Coefficient of the proportional part; that of the integral part is the rest of 1."""
 SMALLEST_FACTOR, LARGEST_FACTOR = 0.2, 10.0
 """Smallest and largest factor from one width to the next."""
