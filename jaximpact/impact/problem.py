@@ -138,31 +138,30 @@ class Problem(eqx.Module):
         What carries the load grows from a billionth of its scale. Were its errors at
         the onset measured by what it comes to, moment and shear would be noise there,
         and the load so far outside the surface that no step finds back; so the part of
-        the scale is at most a tenth of what the normal force has come to.
+        the scale is at most 3 percent of what the normal force has come to.
 
         What is wrong early is small beside what comes later. So the tolerance is that
         given times the fourth root of u / u_n up to a penetration u, the lesser of
-        0.1 R and of what an elastic impact comes to, though no more than 3 percent. It
-        saves one step in ten.
+        0.1 R and of what an elastic impact comes to, though no more than 3 percent for
+        any unknown. It saves one step in ten.
         """
         penetration = size[self.model.unknowns.index("penetration")]
         elastic = self.scale[self.model.unknowns.index("elastic_normal")]
         late = jnp.minimum(EARLY * self.ground.axes.minor, elastic)
-        most = jnp.maximum(1.0, EARLY_TOLERANCE / self.tolerance)
         early = jnp.sqrt(jnp.sqrt(late / jnp.maximum(penetration, 1e-30)))
-        early = jnp.clip(early, 1.0, most)
         reached = jax.lax.stop_gradient(largest_force / self.force_scale)
         rows = []
         for name, value, scale in zip(
             self.model.unknowns, size, self.scale, strict=True
         ):
             tolerance = self.tolerance * ALLOWED_MORE.get(name, 1.0)
+            relative = tolerance * OF_THEIR_SIZE.get(name, 1.0)
             share = tolerance * self.floor
             if name in LOADS:
-                share = jnp.minimum(share, 0.1 * reached)
-            relative = tolerance * OF_THEIR_SIZE.get(name, 1.0)
-            rows.append(relative * value + share * scale)
-        return early * jnp.stack(rows)
+                share = jnp.minimum(share, 0.03 * reached)
+            most = jnp.maximum(1.0, EARLY_TOLERANCE / tolerance)
+            rows.append(jnp.clip(early, 1.0, most) * (relative * value + share * scale))
+        return jnp.stack(rows)
 
     def is_jump_of_forces(self, before, after) -> Flag:
         """Tell whether a change of state is one of the forces alone, by no more than

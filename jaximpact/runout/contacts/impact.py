@@ -422,10 +422,15 @@ def _recorded(
     time = jnp.where(duration > 0.0, duration, 1.0)
     way_x, way_y = free * settled.along_x, free * settled.along_y
     rise_x, rise_y = on.x - body.x - way_x, on.y - body.y - way_y
-    # One that sinks and is too slow to have fallen so far sinks as it travels.
+    # One that sinks and is too slow to have fallen so far sinks as it travels, if it is
+    # no faster at the end of it than that height lets it be: where other ground is in
+    # its way at once, nothing is left of the contact's duration.
     squared = after.normal_velocity**2 + after.tangential_velocity**2
     flies = on.leaves & ~on.stuck & (0.5 * squared >= -GRAVITY * rise_y)
-    sinks = (rise_y < 0.0) & ~flies
+    end_x = 2.0 * (way_x + rise_x) / time - body.v_x
+    end_y = 2.0 * (way_y + rise_y) / time - body.v_y
+    fastest = jnp.maximum(squared, body.v_x**2 + body.v_y**2) - 2.0 * GRAVITY * rise_y
+    sinks = (rise_y < 0.0) & ~flies & (end_x**2 + end_y**2 <= fastest)
     way_x, way_y = (
         jnp.where(sinks, way + rise, way)
         for way, rise in ((way_x, rise_x), (way_y, rise_y))
