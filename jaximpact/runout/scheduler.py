@@ -26,6 +26,10 @@ from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, RunSta
 from .terrain import Ground, Profile
 from .trajectory import Runs, joined
 
+ORIGINS = 1000.0
+"""Distance between the places that x is counted from [m]. In a national grid numbers
+are resolved more coarsely than contacts are told apart: so blocks are followed in
+coordinates that begin near the slope."""
 WIDTH = 8192
 """Number of blocks under way at once: enough for full cores, few enough for the
 caches."""
@@ -138,12 +142,16 @@ def follow(
     """Follow blocks from their release to their ends, those of one shape at a time; see
     `simulate_runout`."""
     states, indices, done = [], [], 0
+    origin = ORIGINS * np.round(profile.x[0] / ORIGINS)
+    near = profile.moved(-origin)
     for alone, lanes in release.by_shape():
         of_shape, laws = ground, contacts
         if len(lanes) < release.count:
             of_shape = (ground or Ground.of_profile(profile)).of_blocks(lanes)
             laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
-        state = RunState.at_release(profile, alone, of_shape, limits)
+        body = alone.body._replace(x=alone.x - origin)
+        there = Release(alone.block, *body)
+        state = RunState.at_release(near, there, of_shape, limits)
         _advance(state, laws, width, _Counted(progress, done, release.count))
         done += len(lanes)
         states.append(state)
@@ -152,16 +160,20 @@ def follow(
     blocks = jax.tree.map(
         lambda *parts: np.concatenate(parts)[order], *(s.blocks for s in states)
     )
+    struck = joined([s.contacts for s in states], indices)
+    pieces = joined([s.pieces for s in states], indices)
     return Runs(
         profile=profile,
         release=release,
         ending=blocks.ending.astype(int),
-        x=blocks.body.x,
+        x=blocks.body.x + origin,
         y=blocks.body.y,
         time=blocks.time,
         events=blocks.events.astype(int),
-        contacts=joined([s.contacts for s in states], indices),
-        pieces=joined([s.pieces for s in states], indices),
+        contacts=struck._replace(
+            x=struck.x + origin, x_after=struck.x_after + origin
+        ),
+        pieces=pieces._replace(x=pieces.x + origin),
     )
 
 

@@ -1,5 +1,6 @@
 """Slope profiles, and the ground that each block finds on them."""
 
+import copy
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping
@@ -197,6 +198,12 @@ class Profile(ShownAsTable):
         """Interpolate the height of the ground at x [m]; beyond the ends it is that of
         the end points."""
         return np.interp(x, self.x, self.y)
+
+    def moved(self, distance: float) -> "Profile":
+        """Move the points to the right by a distance [m]."""
+        there = copy.copy(self)
+        object.__setattr__(there, "x", self.x + distance)
+        return there
 
     def smoothed(self, length: float) -> "Profile":
         """Smooth the heights, to take the noise out of a measured profile.
