@@ -28,7 +28,7 @@ from ...shapes import MixedShapes
 from ...tasks import Task, computing, run_tasks
 from ...units import DEGREE, variable_attributes
 from ..analysis import first_passages, maxima_along, passages
-from ..blocks import Release, select
+from ..blocks import Body, Release, select
 from ..coordinates import FASTEST
 from ..scheduler import WIDTH, follow
 from ..terrain import ground_columns
@@ -185,12 +185,18 @@ def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
 def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
     """Compute the kinetic energy of each block at release, and at its end [J]."""
     mass, inertia = runs.release.mass_properties
-    p = runs.pieces
-    last = np.searchsorted(p.trajectory, np.arange(len(mass)), "right") - 1
-    start, end = (
-        0.5 * (mass * (b.v_x**2 + b.v_y**2) + inertia * b.angular_velocity**2)
-        for b in (runs.release.body, state_after(select(p, last), p.duration[last]))
-    )
+    p, blocks = runs.pieces, np.arange(len(mass))
+
+    def kinetic(body: Body, of: np.ndarray) -> np.ndarray:
+        squared = body.v_x**2 + body.v_y**2
+        return 0.5 * (mass[of] * squared + inertia[of] * body.angular_velocity**2)
+
+    start = kinetic(runs.release.body, blocks)
+    last = np.searchsorted(p.trajectory, blocks, "right") - 1
+    # A block that is released at an end of the profile leaves it at once.
+    moved = np.bincount(p.trajectory, minlength=len(mass)) > 0
+    last, end = last[moved], start.copy()
+    end[moved] = kinetic(state_after(select(p, last), p.duration[last]), moved)
     return start, np.where(runs.ending == Ending.stopped, 0.0, end)
 
 
