@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -69,11 +69,23 @@ def number_text(value: float) -> str:
     return f"{0.0 if abs(value) < ROUNDING else value:.4g}"
 
 
-def interval_text(low: float, high: float) -> str:
+def place_text(value: float, digits: int = 4) -> str:
+    """Write a coordinate [m] with so many digits, and one of a national grid to the
+    decimetre."""
+    if not np.isfinite(value):
+        return "-"
+    if abs(value) < 10.0**digits:
+        return f"{value:.{digits}g}"
+    return f"{value:.1f}".removesuffix(".0")
+
+
+def interval_text(
+    low: float, high: float, write: Callable[[float], str] = number_text
+) -> str:
     """Write an interval; an end that is not known is a dash."""
     if np.isnan(low) and np.isnan(high):
         return "-"
-    return f"{number_text(low)} to {number_text(high)}"
+    return f"{write(low)} to {write(high)}"
 
 
 def listed(names: Sequence[str]) -> str:

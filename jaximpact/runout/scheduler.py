@@ -170,9 +170,7 @@ def follow(
         y=blocks.body.y,
         time=blocks.time,
         events=blocks.events.astype(int),
-        contacts=struck._replace(
-            x=struck.x + origin, x_after=struck.x_after + origin
-        ),
+        contacts=struck._replace(x=struck.x + origin, x_after=struck.x_after + origin),
         pieces=pieces._replace(x=pieces.x + origin),
     )
 

@@ -270,4 +270,4 @@ def test_a_column_of_the_profile_must_not_hide_it(here, capsys):
     (here / "p.csv").write_text("x_m,y_m,c_v\n0,20,1\n30,0,0.2\n80,0,0\n")
     points = "points_m = [[0, 20], [30, 0], [80, 0]]"
     write_changed(here / "slope.toml", SLOPE, (points, 'csv = "p.csv"'))
-    assert_refused(capsys, "key ground.c_v ... p.csv has a column of it")
+    assert_refused(capsys, "key ground.c_v ... is also a column of p.csv")

@@ -246,5 +246,6 @@ def test_a_block_can_be_repeated(changed, tmp_path):
 def test_a_column_of_the_profile_is_roughness(changed, tmp_path):
     (tmp_path / "p.csv").write_text("x_m,y_m,roughness_deg\n0,50,2\n80,0,0\n200,0,0\n")
     points = "points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]"
-    study = read_slope_study(changed((points, 'csv = "p.csv"')))
+    of_all = "roughness_deg = 4\n", ""
+    study = read_slope_study(changed((points, 'csv = "p.csv"'), of_all))
     np.testing.assert_allclose(np.degrees(study.profile.roughness), [2.0, 0.0])

@@ -167,4 +167,4 @@ def test_a_distribution_beside_a_column_of_the_profile(folder, capsys):
     (folder / "p.csv").write_text(rows("x_m,y_m,c_v", "0,50,1", "80,0,0.2", "200,0,0"))
     text = slope_text(profile='csv = "p.csv"', ground="[ground]\nc_v = [0.5, 1]")
     (folder / "slope.toml").write_text(text)
-    assert_refused(capsys, "key ground.c_v ... p.csv has a column of it")
+    assert_refused(capsys, "key ground.c_v ... is also a column of p.csv")

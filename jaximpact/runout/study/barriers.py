@@ -22,7 +22,7 @@ import xarray as xr
 
 from ...io.toml import Key, check_keys, number, typed
 from ...reports.json_tree import plain
-from ...reports.tables import Table, interval_text
+from ...reports.tables import Table, interval_text, place_text
 from ...units import variable_attributes
 from ..coordinates import LARGEST
 from ..terrain import Profile, check_inside
@@ -89,7 +89,7 @@ def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
             )
     x, height, capacity = numbers.values()
     check_inside(profile, x, **key["x_m"].place)
-    name = typed(key, table, "name", str, f"barrier at {x:g} m")
+    name = typed(key, table, "name", str, f"barrier at {place_text(x, 6)} m")
     if not name.strip():
         raise key["name"].error("must be a text, but is empty")
     return Barrier(name, x, height, 1e3 * capacity)
@@ -291,6 +291,11 @@ def mark(one: Estimate, other: Estimate) -> str:
     return DIFFERS if is_apart(one[3:], other[3:]) else ""
 
 
+def at_x(x: float) -> str:
+    """Name a place on the slope."""
+    return f"x = {place_text(x, 6)} m"
+
+
 def estimate_table(
     at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
 ) -> Table:
@@ -332,7 +337,8 @@ def effect_table(
     rows, columns = [], ("", "blocks", "share", "interval")
     others = estimates_beside(other, at_barriers)
     for of, here in zip(at_barriers, others, strict=True):
-        first = of.place
+        name, x, *size = of.place
+        first = (name, place_text(x, 6), *size)
         for word, quantity in EFFECT_WORDS.items():
             estimate = of.estimates[f"share_{quantity}"]
             cells = (estimate.count, *_share_cells(estimate))

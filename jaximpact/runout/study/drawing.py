@@ -26,9 +26,12 @@ from ...plotting.style import (
     panels,
     plain,
 )
+from ...reports.tables import place_text
 from ..terrain import Profile, ground_columns, ground_values
-from ..trajectory import Ending, Runs
+from ..trajectory import Runs
 from ..trajectory_drawing import add_trajectories, bottom_of, height_of
+from .barriers import at_x
+from .endings import stops_of, valid_blocks
 
 CURVES = (
     ("passage_energy_J", "kinetic energy [kJ]", 1e-3),
@@ -104,7 +107,7 @@ def draw_stops(dataset: xr.Dataset) -> Figure:
         axes.hist(places, bins=min(60, max(10, len(places) // 20)), color=BLUE)
         for percentile, colour in ((50, ORANGE), (95, VERMILION)):
             x = np.percentile(places, percentile)
-            label = f"{percentile} % of them by {x:.4g} m"
+            label = f"{percentile} % of them by {place_text(x)} m"
             axes.axvline(x, color=colour, lw=2.0, label=label)
         axes.set(xlabel="x where the block stopped [m]", ylabel="number of blocks")
         legend_outside(figure)
@@ -119,7 +122,7 @@ def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
     fail whose first passage exceeds a value. A curve starts at the fraction that
     passes. Of several laws, each collector has a row."""
     first, several = next(iter(datasets.values())), len(datasets) > 1
-    collectors = [f"x = {x:g} m" for x in first.collector.values]
+    collectors = [at_x(x) for x in first.collector.values]
     if several:
         rows = [
             [(law, dataset, place) for law, dataset in datasets.items()]
@@ -173,16 +176,6 @@ def draw_comparison(
     figure.align_ylabels(axes)
     legend_outside(figure, axes[0].lines, ncols=3)
     return figure
-
-
-def valid_blocks(dataset: xr.Dataset) -> np.ndarray:
-    """Tell which blocks did not fail."""
-    return dataset.ending.values != str(Ending.failed)
-
-
-def stops_of(dataset: xr.Dataset) -> np.ndarray:
-    """Find x where blocks stopped [m]."""
-    return dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
 
 
 def _edges(dataset: xr.Dataset) -> np.ndarray:

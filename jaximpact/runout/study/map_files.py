@@ -24,6 +24,7 @@ from ..trajectory import Runs
 from .barriers import (
     DESIGN_PERCENTILES,
     DESIGN_QUANTITIES,
+    at_x,
     barriers_in_json,
     estimates_of,
 )
@@ -188,7 +189,11 @@ def _collectors_and_barriers(dataset: xr.Dataset) -> pd.DataFrame:
     rows = []
     collectors = dataset.collector.values if "collector" in dataset.sizes else ()
     for i, x in enumerate(collectors):
-        row = {"kind": "collector", "name": f"x = {x:g} m", "x_m": float(x)}
+        row = {
+            "kind": "collector",
+            "name": at_x(x),
+            "x_m": float(x),
+        }
         row["blocks_passing"] = int(dataset.blocks_passing.values[i])
         for name, (variable, _, factor, _) in DESIGN_QUANTITIES.items():
             values = dataset[f"passage_{variable}_percentiles"].isel(collector=i)

@@ -14,10 +14,11 @@ from ...io.output_files import NewFile
 from ...plotting.style import save_figure
 from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
-from ...reports.tables import Table
+from ...reports.tables import Table, place_text
 from ..trajectory import Ending
 from . import drawing
-from .barriers import barriers_in_json, effect_table, estimate_table, estimates_of
+from .barriers import at_x, barriers_in_json, effect_table, estimate_table, estimates_of
+from .endings import counts_of, stops_of, valid_blocks
 from .intervals import DIFFERS, is_apart, percentile_interval
 from .map_files import names_of_map_files, write_map_files
 from .report_page import other_estimates, slope_report
@@ -155,7 +156,7 @@ def _percentiles(
     dataset: xr.Dataset, name: str, place: int
 ) -> tuple[list[float], list[tuple[float, float]]]:
     values = dataset[f"{name}_percentiles"].values[:, place].tolist()
-    passages = dataset[name].values[drawing.valid_blocks(dataset), place]
+    passages = dataset[name].values[valid_blocks(dataset), place]
     return values, [percentile_interval(passages, p) for p in PERCENTILES]
 
 
@@ -208,7 +209,7 @@ def comparison_report(
     endings = [e for e in map(str, Ending) if any(e in of for of in counts.values())]
     rows = []
     for law, dataset in datasets.items():
-        stops = (f"{v:.5g}" for v in _stop_percentiles(dataset))
+        stops = (place_text(v, 5) for v in _stop_percentiles(dataset))
         ended = (counts[law].get(ending, 0) for ending in endings)
         rows.append((law, *ended, float(np.median(dataset.impacts)), *stops))
     heads = ("impacts", *(f"{p} %" for p in PERCENTILES), "farthest")
@@ -225,7 +226,7 @@ def comparison_report(
     ]
     collectors = first.collector.values if "collector" in first.sizes else ()
     sections = [
-        ReportSection(f"First passages at x = {x:g} m", _passages(datasets, place))
+        ReportSection(f"First passages at {at_x(x)}", _passages(datasets, place))
         for place, x in enumerate(collectors)
     ]
     sections += [
@@ -238,15 +239,10 @@ def comparison_report(
     return Document(first.title, answer, sections)
 
 
-def counts_of(dataset: xr.Dataset) -> dict[str, int]:
-    """Count the blocks of each ending that occurs."""
-    return json.loads(dataset.attrs["endings"])
-
-
 def _passages(datasets: Mapping[str, xr.Dataset], place: int) -> Sequence[Part]:
     rows = []
     for law, dataset in datasets.items():
-        valid = int(np.sum(drawing.valid_blocks(dataset)))
+        valid = int(np.sum(valid_blocks(dataset)))
         passing = int(dataset.blocks_passing.values[place])
         values = [
             factor * dataset[f"{name}_percentiles"].sel(percentile=p).values[place]
@@ -263,7 +259,7 @@ def _passages(datasets: Mapping[str, xr.Dataset], place: int) -> Sequence[Part]:
 def _law_table(datasets: Mapping[str, xr.Dataset]) -> Table:
     rows = []
     for law, dataset in datasets.items():
-        valid = drawing.valid_blocks(dataset)
+        valid = valid_blocks(dataset)
         largest = (
             np.percentile(dataset[name].values[valid], 95) if np.any(valid) else np.nan
             for name in ("max_height_m", "max_speed_mps", "max_energy_J")
@@ -275,7 +271,7 @@ def _law_table(datasets: Mapping[str, xr.Dataset]) -> Table:
 
 
 def _stop_percentiles(dataset: xr.Dataset) -> np.ndarray:
-    x = drawing.stops_of(dataset)
+    x = stops_of(dataset)
     return np.percentile(x, STOPS) if len(x) else np.full(len(STOPS), np.nan)
 
 

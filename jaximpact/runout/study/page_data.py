@@ -22,7 +22,8 @@ from matplotlib.colors import to_hex
 from ..blocks import select
 from ..terrain import Profile, stretches
 from ..trajectory import Pieces, Runs, state_after
-from .drawing import bottom_of, drawn_grounds, valid_blocks
+from .drawing import bottom_of, drawn_grounds
+from .endings import valid_blocks
 from .intervals import percentile_interval
 from .run_study import PERCENTILES
 from .slope_file import SlopeStudy

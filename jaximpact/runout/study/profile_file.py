@@ -103,20 +103,16 @@ def _of_dxf(file: Path, layer: str | None, surface: tuple) -> Profile:
 
 
 def _check_said_once(ground: GroundInput, csv: Path, columns: tuple[str, ...]) -> None:
-    """Raise InputError for a distribution that a column of the profile would hide, and
-    for a material's quantity that would hide a column."""
+    """Raise InputError for a quantity of the ground that is a column of the profile
+    too: one of them would count for nothing."""
     top = Key(ground.path)
-    varied = [*ground.varied(), *ground.fields(), *ground.sampled_jointly()]
-    for name in columns:
-        if f"ground.{name}" in varied:
-            raise top[f"ground.{name}"].error(
-                f"differs from block to block, but {csv.name} has a column of it"
+    of_calibration = {} if ground.calibrated is None else ground.calibrated.fixed
+    for key in (*ground.quantities, *ground.sampled_jointly()):
+        name = key.split(".")[-1]
+        if name in columns and name not in of_calibration:
+            raise top[key].error(
+                f"is also a column of {csv.name}; leave one of them out"
             )
-        for key in ground.quantities:
-            if key.startswith("ground.materials.") and key.split(".")[-1] == name:
-                raise top[key].error(
-                    f"is also a column of {csv.name}; leave one of them out"
-                )
 
 
 MAP_KEYS = ("origin", "azimuth_deg", "crs")

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ...reports.document import Box, Document, Interactive, Part, ReportSection
-from ...reports.tables import Table, interval_text, listed
+from ...reports.tables import Table, interval_text, listed, place_text
 from ...scene_quantities import SHAPE
 from ..contacts.contact_models import ClosedForm, FullModel
 from ..terrain import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE
@@ -20,13 +20,15 @@ from .barriers import (
     BarrierEstimates,
     Estimate,
     OtherEstimates,
+    at_x,
     design_table,
     effect_table,
     estimates_beside,
     estimates_of,
     too_few,
 )
-from .drawing import grounds_of, stops_of, valid_blocks
+from .drawing import grounds_of
+from .endings import counts_of, stops_of, valid_blocks
 from .intervals import DIFFERS, is_apart, least_blocks, percentile_interval
 from .map_files import NO_MAP
 from .page_data import QUANTITIES, page_curves, page_profile
@@ -138,7 +140,7 @@ def _data(study: SlopeStudy, dataset: xr.Dataset, scale: dict) -> "markupsafe.Ma
     import markupsafe
 
     top = scale["y"] + scale["height"]
-    places = [(x, top, f"x = {x:g} m") for x in study.settings.collectors.tolist()] + [
+    places = [(x, top, at_x(x)) for x in study.settings.collectors.tolist()] + [
         (b.x, float(study.profile.height(b.x)) + b.height, b.name)
         for b in study.settings.barriers
     ]
@@ -165,7 +167,7 @@ def _summary(
     at_barriers: Sequence[BarrierEstimates],
     other: OtherEstimates | None,
 ) -> list[str]:
-    endings = json.loads(dataset.attrs["endings"])
+    endings = counts_of(dataset)
     counts = ", ".join(f"{count} {name}" for name, count in endings.items())
     lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {counts}."]
     stopped = stops_of(dataset)
@@ -173,9 +175,9 @@ def _summary(
         ends = percentile_interval(stopped, 95)
         lines.append(
             f"95 % of those that stopped did so before x = "
-            f"{np.percentile(stopped, 95):.4g} m (95 % interval: "
-            f"{interval_text(*ends)}{_stop_beside(dataset, ends)}), the farthest at "
-            f"{stopped.max():.4g} m."
+            f"{place_text(np.percentile(stopped, 95))} m (95 % interval: "
+            f"{interval_text(*ends, place_text)}{_stop_beside(dataset, ends)}), the "
+            f"farthest at {place_text(stopped.max())} m."
         )
     others = estimates_beside(other, at_barriers)
     for (barrier, by_name), beside in zip(at_barriers, others, strict=True):
@@ -203,13 +205,14 @@ def _stop_beside(dataset: xr.Dataset, ends: tuple[float, float]) -> str:
         return ""
     other = percentile_interval(stopped, 95)
     marked = f", {DIFFERS}" if is_apart(ends, other) else ""
-    value = f"{np.percentile(stopped, 95):.4g} m, {interval_text(*other)}"
+    value = f"{place_text(np.percentile(stopped, 95))} m, "
+    value += interval_text(*other, place_text)
     return f"; by {second[0]}: {value}{marked}"
 
 
 def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     """List what a reader must not take from the numbers."""
-    endings = json.loads(dataset.attrs["endings"])
+    endings = counts_of(dataset)
     law = f"Contacts are by {study.law.name}, whose coefficients are taken as known."
     if not isinstance(study.law.contacts, ClosedForm):
         law = (
@@ -252,13 +255,13 @@ def _few_at_collectors(dataset: xr.Dataset) -> list[str]:
     if "collector" not in dataset.sizes:
         return []
     counts = zip(dataset.collector.values, dataset.blocks_passing.values, strict=True)
-    few = [f"{n} pass x = {x:g} m" for x, n in counts if n < least_blocks(99)]
+    few = [f"{n} pass {at_x(x)}" for x, n in counts if n < least_blocks(99)]
     needed = f"An interval of the 99 % value needs {least_blocks(99)} blocks"
     return [f"{needed}, but {listed(few)}."] if few else []
 
 
 def _ending_table(dataset: xr.Dataset) -> Table:
-    endings, blocks = json.loads(dataset.attrs["endings"]), dataset.sizes["block"]
+    endings, blocks = counts_of(dataset), dataset.sizes["block"]
     rows = [(n, count, f"{count / blocks:.1%}") for n, count in endings.items()]
     return Table(("ending", "blocks", "share"), rows)
 
@@ -282,9 +285,13 @@ def _stop_words(x: np.ndarray, beside: np.ndarray | None = None) -> str:
         marked = ""
         if beside is not None and is_apart(ends, percentile_interval(beside, percent)):
             marked = f", {DIFFERS}"
-        value = np.percentile(x, percent)
-        words.append(f"{percent} % by {value:.5g} ({interval_text(*ends)}{marked})")
-    return ", ".join((*words, f"all by {x.max():.5g}") if len(x) else ("no block",))
+        value = place_text(np.percentile(x, percent), 5)
+        words.append(
+            f"{percent} % by {value} ({interval_text(*ends, place_text)}{marked})"
+        )
+    return ", ".join(
+        (*words, f"all by {place_text(x.max(), 5)}") if len(x) else ("no block",)
+    )
 
 
 def _energies(study: SlopeStudy, dataset: xr.Dataset) -> list[Part]:
@@ -307,7 +314,7 @@ def _collectors(dataset: xr.Dataset) -> list[Part]:
     for place, x in enumerate(dataset.collector.values):
         passing = int(dataset.blocks_passing.values[place])
         share = f" ({passing / np.sum(valid):.1%})" if np.any(valid) else ""
-        first = (f"{x:g}", f"{passing}{share}")
+        first = (place_text(x, 6), f"{passing}{share}")
         for word, (name, unit, factor) in PASSAGES.items():
             values = factor * dataset[name].values[valid, place]
             rows.append((*first, word, unit, *_percentile_cells(values)))
@@ -401,7 +408,7 @@ def _grounds(study: SlopeStudy) -> Table:
     for ground, segments in itertools.groupby(number):
         stop = start + len(list(segments))
         words = ", ".join(descriptions[ground]) or "one ground"
-        rows.append((f"{x[start]:g}", f"{x[stop]:g}", words))
+        rows.append((place_text(x[start], 6), place_text(x[stop], 6), words))
         start = stop
     if len(rows) > 40:
         more = f"and {len(rows) - 40} more stretches, in the study's files"

@@ -19,8 +19,8 @@ from ...laws import DeepestPoint, WorkConjugate
 from ...reports.tables import Table, interval_text, number_text
 from ..contacts.contact_models import FullModel
 from ..trajectory import NOTABLE_E_N
-from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, estimates_of
-from .drawing import stops_of, valid_blocks
+from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, at_x, estimates_of
+from .endings import stops_of, valid_blocks
 from .intervals import DIFFERS, is_apart, percentile_interval
 from .slope_file import SlopeStudy
 
@@ -129,7 +129,7 @@ def design_values(dataset: xr.Dataset) -> Iterator[DesignValue]:
         for words, (name, unit, factor) in PASSAGES.items():
             values = factor * dataset[name].values[valid, place]
             for percent in DESIGN_PERCENTILES:
-                words_here = f"{words} at x = {x:g} m, {percent} %"
+                words_here = f"{words} at {at_x(x)}, {percent} %"
                 yield _percentile(words_here, unit, values, percent)
 
 
