@@ -216,16 +216,21 @@ def records_of(data: bytes) -> Iterator[tuple[int, str, list[str]]]:
         raise InputError(f"is not valid CSV: {error}", row=first) from error
 
 
-def _check_header(
-    line: int, names: list[str], columns: Mapping[str, InputColumn], measured: bool
-) -> None:
+def check_separator(line: int, header: list[str]) -> None:
+    """Raise InputError for a header whose columns are not separated by commas."""
     for separator, word in ((";", "';'"), ("\t", "tabs")):
-        if any(separator in name for name in names):
+        if any(separator in name for name in header):
             raise InputError(
                 f"columns are separated by {word}; separate them by ',' and write "
                 "decimals with a point",
                 row=line,
             )
+
+
+def _check_header(
+    line: int, names: list[str], columns: Mapping[str, InputColumn], measured: bool
+) -> None:
+    check_separator(line, names)
     results = (*TARGET_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS, TIME_COLUMN)
     known = (*columns, *SLOTS, *LABEL_COLUMNS, *(results if measured else ()))
     for index, name in enumerate(names):

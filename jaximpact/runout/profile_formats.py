@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .._settings import numpy_settings
 from ..errors import InputError, did_you_mean, located
 from ..io.files import check_text, read_input
-from ..io.scene_table import reads_as_number, records_of
+from ..io.scene_table import check_separator, reads_as_number, records_of
 from ..quantities import columns_of_part
 from ..scene import Soil
 from ..scene_quantities import SLOTS
@@ -104,6 +104,14 @@ def read_profile_table(
         "roughness": roughness,
     }
     for name, values in numbers.items():
+        column = known[name]
+        allowed = column.is_allowed(values)
+        allowed[-1] = True  # the ground of the last point is not used
+        if not np.all(allowed):
+            place = int(np.argmin(allowed))
+            number = column.describe(values[place], column.unit)
+            problem = f"must be {column.requirement}, but is {number}"
+            raise _error(path, problem, lines[place], name)
         target = fields if name in of_soil else angles
         target[known[name].field] = known[name].factor * values[:-1]
     try:
@@ -132,6 +140,8 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
     if not rows:
         raise InputError("is empty; a header and rows are needed", file=path)
     (first, header), *rows = rows
+    with located(file=path):
+        check_separator(first, header)
     for line, cells in rows:
         if len(cells) != len(header):
             problem = f"has {len(cells)} cells, but the header has {len(header)}"
@@ -140,10 +150,6 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
 
 
 def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None:
-    for mark, marks in ((";", "semicolons"), ("\t", "tabs")):
-        if len(names) == 1 and mark in names[0]:
-            problem = f"needs commas between columns, but has {marks}"
-            raise InputError(problem, file=path, row=line)
     for place, name in enumerate(names):
         problem = None
         if name in SLOTS:

@@ -179,3 +179,23 @@ def test_the_full_model_takes_an_accuracy(changed):
     few = run_slope_study(study._replace(settings=study.settings._replace(bins=3)))
     assert set(few.ending.values) <= {str(Ending.stopped), str(Ending.left_profile)}
     assert json.loads(few.attrs["contacts"])["accuracy"] == "fast"
+
+
+@pytest.mark.parametrize(
+    ("places", "stays"), [("[0, 0.5]", [0, 2, 4]), ("0", range(6))]
+)
+def test_blocks_that_leave_at_once_keep_their_energy(tmp_path, places, stays):
+    """They have no piece of a trajectory, and the energy of none."""
+    path = tmp_path / "slope.toml"
+    path.write_text(
+        "count = 6\n[profile]\npoints_m = [[0, 50], [80, 0], [200, 0]]\n"
+        "[block]\nmass_kg = 100\n"
+        f"[release]\nx_m = {places}\nclearance_m = 1\nspeed_mps = 10\n"
+        "direction_deg = 180\n"
+    )
+    blocks = run_slope_study(read_slope_study(path))
+    release, end = blocks.energy_at_release_J.values, blocks.energy_at_end_J.values
+    np.testing.assert_allclose(release, 0.5 * 100.0 * 10.0**2)
+    np.testing.assert_array_equal(end[[*stays]], release[[*stays]])
+    others = np.setdiff1d(range(6), stays)
+    assert np.all(end[others] > release[others])

@@ -15,8 +15,9 @@ from jaximpact import (
     PfeifferBowen,
     RigidEllipsoid,
 )
-from jaximpact.runout import ClosedForm, Profile, Release
+from jaximpact.runout import ClosedForm, MotionMode, Profile, Release
 from jaximpact.runout.blocks import BlockOutline
+from jaximpact.runout.trajectory import state_after
 from jaximpact.shapes import Ellipsoid, SemiAxes
 
 G = 9.81
@@ -156,11 +157,28 @@ def pieces_of(runs, motion):
 
 
 def gain_between_pieces(runs):
-    """Energy [J] gained from each piece to the next of its block, and the block's mass
-    [kg]."""
-    same = np.diff(runs.pieces.trajectory) == 0
-    gain = np.diff(runs.energy_of_pieces())[same]
-    return gain, runs.release.mass_properties.mass[runs.pieces.trajectory[1:]][same]
+    """Energy [J] gained from each flight, roll or slide to the next of its block, and
+    the block's mass [kg]."""
+    moves = runs.pieces.motion != MotionMode.contact
+    trajectory = runs.pieces.trajectory[moves]
+    same = np.diff(trajectory) == 0
+    gain = np.diff(runs.energy_of_pieces()[moves])[same]
+    return gain, runs.release.mass_properties.mass[trajectory[1:]][same]
+
+
+def gain_in_contacts(runs):
+    """Kinetic energy [J] gained within each piece of a contact beyond that of its fall,
+    and the block's mass [kg]."""
+    struck = pieces_of(runs, MotionMode.contact)
+    mass, inertia = (value[struck.trajectory] for value in runs.release.mass_properties)
+    end = state_after(struck, struck.duration)
+
+    def kinetic(of):
+        squared = of.v_x**2 + of.v_y**2
+        return 0.5 * (mass * squared + inertia * of.angular_velocity**2)
+
+    fall = np.maximum(struck.y - end.y, 0.0)
+    return kinetic(end) - kinetic(struck) - mass * G * fall, mass
 
 
 def gain_over_contacts(runs):

@@ -10,6 +10,7 @@ from runout_scenes import (
     assert_no_energy_gained,
     assert_same_bits,
     blocks_over,
+    gain_in_contacts,
     height_over,
     mirrored,
     rows_of_records,
@@ -164,6 +165,64 @@ def test_runs_by_the_full_model(ground, hop_threshold):
     release = blocks_over(profile, g, 24)
     contacts = FullModel("fast")
     check(simulate_runout(profile, release, contacts, hop_threshold=hop_threshold))
+
+
+@pytest.mark.parametrize("aspect_ratio", [1.0, 0.4])
+@pytest.mark.parametrize("roughness", [0.0, 4.0])
+def test_contacts_cut_short_are_no_faster_than_their_blocks(aspect_ratio, roughness):
+    """Other ground is in the way at once in a gap narrower than most blocks. Blocks
+    at rest are moved to where they lie at the speed of a fall from half as high: that
+    is some metres a second. Contacts once ended at 1e13 m/s."""
+    g = np.random.default_rng(3)
+    profile = Profile(
+        *([0.0, 50.0, 50.3, 50.8, 51.1, 100.0, 160.0], [50, 20, 12, 12, 20, 10, 10]),
+        Soil(kinematics="WorkConjugate"),
+        *(np.radians(18.0), np.radians(roughness)),
+    )
+    x = g.uniform(2.0, 10.0, 300)
+    release = Release(
+        Block(mass=np.exp(g.normal(5.5, 1.1, 300)), aspect_ratio=aspect_ratio),
+        *(x, profile.height(x) + 3.0, g.uniform(1.0, 10.0, 300)),
+    )
+    runs = simulate_runout(profile, release, FullModel("fast"))
+    assert_no_energy_gained(runs)
+    gain, mass = gain_in_contacts(runs)
+    assert np.max(gain / mass) < 0.5 * 3.0**2
+
+
+@pytest.mark.parametrize("contacts", [LAW, FullModel("fast")])
+@pytest.mark.parametrize("east", [2.6e6, 3.25e7])
+def test_a_national_grid_changes_nothing(east, contacts):
+    """x is resolved to 4e-9 m at 3e7 m, which places of release are given by."""
+    g = np.random.default_rng(7)
+    x, y = np.array([0.0, 40.0, 40.5, 43.0, 43.5, 150.0]), [40, 15, 9, 9, 14.5, 14]
+    here = Profile(x, y, rolling_friction_angle=np.radians(20.0))
+    there = Profile(x + east, y, rolling_friction_angle=np.radians(20.0))
+    n = 60
+    block = Block(mass=np.exp(g.normal(5.0, 1.0, n)), aspect_ratio=1.5)
+    motion = dict(y=45.0, v_x=g.uniform(2.0, 15.0, n), orientation=g.uniform(0, 3, n))
+    # Both are the same numbers but for the first digits.
+    places = (east + g.uniform(2.0, 10.0, n)) - east
+    runs = simulate_runout(here, Release(block, places, **motion), contacts)
+    far = simulate_runout(there, Release(block, places + east, **motion), contacts)
+    spacing = np.spacing(east)
+    np.testing.assert_allclose(far.x - east, runs.x, rtol=0.0, atol=spacing)
+    assert np.array_equal(far.y, runs.y)
+    assert np.array_equal(far.time, runs.time)
+    assert np.array_equal(far.events, runs.events)
+    for rows, others in ((far.contacts, runs.contacts), (far.pieces, runs.pieces)):
+        np.testing.assert_allclose(rows.x - east, others.x, rtol=0.0, atol=spacing)
+
+
+def test_spheres_in_a_corner_below_a_wall_stop():
+    """At the end of an element the wall ahead, steeper ground behind: each stood for
+    10 000 events at one time."""
+    x, y = [0.0, 50.0, 50.01, 52.0, 52.01, 120.0], [40.0, 15.0, 25.0, 25.0, 15.0, 10.0]
+    profile = Profile(x, y, Soil(kinematics="WorkConjugate"))
+    release = Release(Block(mass=np.linspace(50.0, 2000.0, 200)), 5.0, 41.5, 5.0)
+    runs = simulate_runout(profile, release, FullModel("fast"))
+    assert set(runs.ending) == {Ending.stopped}
+    assert np.max(runs.events) < 200
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -108,6 +108,7 @@ def test_places_on_the_map(tmp_path):
         ("EPSG:3395", [850_000, 5_750_000], "has lengths of 1.437 times those on"),
         ("EPSG:6933", [850_000, 5_300_000], "has lengths of 1.253 times those on"),
         ("EPSG:2056", [7.4, 46.9], "outside of the area .* and looks like degrees"),
+        ("EPSG:32632", [7.4, 46.9], "EPSG:32632 .* and looks like degrees; are east"),
         ("EPSG:2056", [1_200_000, 2_600_000], "are easting and northing in this ord"),
         ("EPSG:2056", [2_600_000, 1_200_000], None),
         ("EPSG:32632", [380_000, 5_100_000], None),

@@ -163,8 +163,10 @@ def test_columns_of_materials(folder, capsys, message, content):
     assert_refused(capsys, message)
 
 
-def test_a_distribution_beside_a_column_of_the_profile(folder, capsys):
+@pytest.mark.parametrize("value", ["[0.5, 1]", "0.5", "{ from = 0.1, to = 1 }"])
+@pytest.mark.parametrize("table", ["ground", "ground.segment.2"])
+def test_a_quantity_beside_a_column_of_the_profile(folder, capsys, table, value):
     (folder / "p.csv").write_text(rows("x_m,y_m,c_v", "0,50,1", "80,0,0.2", "200,0,0"))
-    text = slope_text(profile='csv = "p.csv"', ground="[ground]\nc_v = [0.5, 1]")
+    text = slope_text(profile='csv = "p.csv"', ground=f"[{table}]\nc_v = {value}")
     (folder / "slope.toml").write_text(text)
-    assert_refused(capsys, "key ground.c_v ... is also a column of p.csv")
+    assert_refused(capsys, f"key {table}.c_v ... is also a column of p.csv")

@@ -315,6 +315,7 @@ def depart(
     on = on._replace(x=on.x - drop * jnp.sin(slope), y=on.y - drop * jnp.cos(slope))
     record, piece = _recorded(
         block=block,
+        constants=constants,
         struck=struck,
         response=response,
         settled=settled,
@@ -397,6 +398,7 @@ def _is_hop(
 
 def _recorded(
     block: BlockState,
+    constants: BlockConstants,
     struck: PlaneContact,
     response: ImpactResponse,
     settled: Settled,
@@ -407,7 +409,8 @@ def _recorded(
     free: Values,
 ) -> tuple[ContactRecord, Pieces]:
     """Record a contact, and describe it as a piece of the trajectory: at constant
-    acceleration, from the place and the velocities at touch along the plane. The way
+    acceleration, from the place and the velocities at touch along the plane, or at
+    constant velocity. The way
     out of the ground is no part of it: in so short a time no block is so fast. It lasts
     as long as the block travels, and less than the contact where other ground is in its
     way."""
@@ -435,11 +438,22 @@ def _recorded(
         jnp.where(sinks, way + rise, way)
         for way, rise in ((way_x, rise_x), (way_y, rise_y))
     )
+    v_x, v_y, spin = way_x / time, way_y / time, body.angular_velocity
+    turn = response.angular_velocity - spin
+    end_x, end_y = 2.0 * v_x - body.v_x, 2.0 * v_y - body.v_y
+    # Where that would end with more energy than it begins with it is uniform: the
+    # velocity may change at once, and then no more.
+    mass, inertia = constants.mass_properties
+    gain = end_x**2 - body.v_x**2 + end_y**2 - body.v_y**2 + 2.0 * GRAVITY * way_y
+    gain += inertia / mass * turn * (turn + 2.0 * spin)
+    uniform = gain > 0.0
+    v_x, v_y = jnp.where(uniform, v_x, body.v_x), jnp.where(uniform, v_y, body.v_y)
+    spin = jnp.where(uniform, spin + 0.5 * turn, spin)
     piece = Pieces(
-        0.0, float(MotionMode.contact), block.time, duration, *body[:4],
-        2.0 * (way_x - body.v_x * time) / time**2,
-        2.0 * (way_y - body.v_y * time) / time**2,
-        *body[4:], (response.angular_velocity - body.angular_velocity) / time,
+        0.0, float(MotionMode.contact), block.time, duration, body.x, body.y, v_x, v_y,
+        jnp.where(uniform, 0.0, 2.0 * (way_x - v_x * time) / time**2),
+        jnp.where(uniform, 0.0, 2.0 * (way_y - v_y * time) / time**2),
+        body.orientation, spin, jnp.where(uniform, 0.0, turn / time),
     )  # fmt: skip
     return record, piece
 

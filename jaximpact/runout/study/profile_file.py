@@ -203,11 +203,12 @@ def _warn_of_distant(
     where = f"at longitude {longitude:.4g} and latitude {latitude:.4g}"
     area = system.area_of_use
     degrees = ", and looks like degrees" if max(map(abs, pair)) <= 180.0 else ""
-    if area is not None and not _is_near(area, longitude, latitude):
+    far = area is not None and not _is_near(area, longitude, latitude)
+    if far or degrees:
+        of = ", outside of the area of" if far else " by"
         text = (
-            f"{pair!r} is {where}, outside of the area of {place.crs} "
-            f"({system.name}){degrees}; are easting and northing in this order, and "
-            "of this system?"
+            f"{pair!r} is {where}{of} {place.crs} ({system.name}){degrees}; are "
+            "easting and northing in this order, and of this system?"
         )
     elif not abs(scale - 1.0) <= 0.01:  # in a zone of UTM it is 0.001
         text = (
