@@ -216,8 +216,8 @@ class ImpactResult(ImpactSummary):
 
         if self.shape:
             raise ValueError(
-                f"plot draws one impact, but the result holds {self.shape}; take one "
-                "of them"
+                f"plot draws one impact, but the result has shape {self.shape}; choose "
+                "one, as in result[0].plot()"
             )
         recorded = self.history
         # At the times of `save_at` it need not hold the peaks, nor the end.

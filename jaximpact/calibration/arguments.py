@@ -156,7 +156,10 @@ def study_given(
     if isinstance(fit, str):
         fit = (fit,)
     expect("fit", fit, Iterable, type(None))
+    if isinstance(targets, str):
+        targets = (targets,)
     expect("targets", targets, Iterable, type(None))
+    expect("sigma", sigma, Mapping, type(None))
     of_ground, of_block = _given("ground", Soil, ground), _given("block", Block, block)
     base = scene_of(of_ground.parts | of_block.parts)
     measurements = joined_tables((table_given(tests, base),))

@@ -120,6 +120,11 @@ def read_fitted(path: Path) -> FittedGround:
             f"must be the {FILE} of a calibration, or its directory, but is no JSON",
             file=path,
         ) from error
+    if isinstance(tree, dict) and "model_check" in tree:
+        raise InputError(
+            "is the back-analysis of a slope; a calibration to impacts is needed",
+            file=path,
+        )
     if not isinstance(tree, dict) or tree.get("format") != FORMAT:
         raise InputError(
             f"is no {FILE} of a calibration of this version; calibrate again", file=path

@@ -256,7 +256,7 @@ def predict_variant(
     return VariantPrediction(
         fitted=fitted,
         outcomes=[str(Outcome(int(code))) for code in outcomes],
-        outcome_share=weights @ (ends == outcomes),
+        outcome_share=np.minimum(weights @ (ends == outcomes), 1.0),
         best=at_best.predicted[0],
         sigma=sigma,
         discrepancy=apart,

@@ -144,7 +144,7 @@ def add_parser(commands) -> None:
         "angle, and a rigid ellipsoid; or the laws that [compare] in the study names",
     )
 
-    options.add_engine(parser)
+    options.add_engine(parser, "slopes only: ")
     parser = options.add_command(
         commands,
         "predict",

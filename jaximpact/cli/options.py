@@ -126,21 +126,22 @@ SETTINGS = {
 """Settings of Dask, of which workers of this machine inherit all."""
 
 
-def add_engine(parser: argparse.ArgumentParser) -> None:
-    """Add `--workers` and `--scheduler`."""
+def add_engine(parser: argparse.ArgumentParser, only: str = "") -> None:
+    """Add `--workers` and `--scheduler`, with words for what alone they are for."""
     engine = parser.add_mutually_exclusive_group()
     engine.add_argument(
         "--workers",
         type=_count,
         metavar="N",
-        help="compute in N processes of this machine, one thread each, by Dask (needs "
-        "jaximpact[cluster]; default: in this process, on all cores)",
+        help=f"{only}compute in N processes of this machine, one thread each, by Dask "
+        "(needs jaximpact[cluster]; default: in this process, on all cores)",
     )
     engine.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="compute on the workers of a scheduler of Dask, such as tcp://node1:8786; "
-        "they must have the same versions of jaximpact and its packages",
+        help=f"{only}compute on the workers of a scheduler of Dask, such as "
+        "tcp://node1:8786; they must have the same versions of jaximpact and its "
+        "packages",
     )
 
 

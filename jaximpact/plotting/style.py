@@ -291,10 +291,18 @@ def save_figure(figure: Figure, path: str | os.PathLike | None) -> Figure:
     """Save a figure, if there is a path, in the format that its suffix names; a file
     of that name is replaced once the new one is whole.
 
-    Returns the figure. Raises ValueError for a suffix that names no format.
+    Returns the figure. Raises InputError for a suffix that names no format, and for a
+    directory that is not there.
     """
     if path is not None:
         path = Path(path)
+        known = figure.canvas.get_supported_filetypes()
+        if path.suffix[1:].lower() not in known:
+            raise InputError(
+                f"a drawing must end in a format such as .png or .pdf, but is {path}"
+            )
+        if not path.parent.is_dir():
+            raise InputError(f"a drawing needs the directory {path.parent}")
         with replacing(path) as temporary:
             if path.suffix.lower() == ".png":
                 temporary.write_bytes(png_bytes(figure))

@@ -15,6 +15,7 @@ from .._settings import numpy_settings
 from ..errors import InputError
 from ..io.checks import check_scene
 from ..progress import SILENT, Progress, ProgressFunction, as_progress
+from ..rebound import AbstractRebound
 from ..scene import Block, Impact, Scene, Soil, as_scene
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
@@ -94,6 +95,12 @@ def simulate_runout(
     check_release(release, profile)
     if contacts is not None and not callable(contacts):
         raise InputError(f"contacts must be a law of contacts, but is {contacts!r}")
+    if isinstance(contacts, AbstractRebound):
+        name = type(contacts).__name__
+        raise InputError(
+            f"contacts must be a law of contacts, but {name} is a law of rebound; "
+            f"write ClosedForm({name}(...))"
+        )
     if ground is not None:
         expect("ground", ground, Ground)
     limits = checked_limits(time_limit, event_limit, hop_threshold)

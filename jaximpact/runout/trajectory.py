@@ -346,7 +346,9 @@ class Runs(ShownAsTable):
             ("events", range_of(self.events), "-"),
             *_rows_of_energies(self.impact_energies()),
         ]
-        return f"Runs: {len(self.ending)} blocks; {endings}", rows
+        count = len(self.ending)
+        blocks = "1 block" if count == 1 else f"{count} blocks"
+        return f"Runs: {blocks}; {endings}", rows
 
 
 def _rows_of_energies(ledger: ImpactEnergies) -> Rows:

@@ -287,7 +287,7 @@ def test_one_block_and_what_it_does_not_determine(observed, tmp_path, monkeypatc
     friction, elasticity = found.posterior.fitted
     assert friction.determined
     assert not elasticity.determined
-    assert any("k_E is not determined" in line for line in warnings_of(found))
+    assert any("k_E is not identifiable" in line for line in warnings_of(found))
 
 
 def test_stops_that_no_candidate_gives_are_refused(observed, tmp_path):

@@ -170,9 +170,10 @@ def test_runs_by_the_full_model(ground, hop_threshold):
 @pytest.mark.parametrize("aspect_ratio", [1.0, 0.4])
 @pytest.mark.parametrize("roughness", [0.0, 4.0])
 def test_contacts_cut_short_are_no_faster_than_their_blocks(aspect_ratio, roughness):
-    """Other ground is in the way at once in a gap narrower than most blocks. Blocks
-    at rest are moved to where they lie at the speed of a fall from half as high: that
-    is some metres a second. Contacts once ended at 1e13 m/s."""
+    """Other ground is in the way at once in a gap narrower than most blocks. Pieces of
+    contacts may end with a tenth more energy than they begin with, and blocks at rest
+    are moved to where they lie at the speed of a fall from half as high: that is some
+    metres a second. Contacts once ended at 1e13 m/s."""
     g = np.random.default_rng(3)
     profile = Profile(
         *([0.0, 50.0, 50.3, 50.8, 51.1, 100.0, 160.0], [50, 20, 12, 12, 20, 10, 10]),
@@ -187,7 +188,8 @@ def test_contacts_cut_short_are_no_faster_than_their_blocks(aspect_ratio, roughn
     runs = simulate_runout(profile, release, FullModel("fast"))
     assert_no_energy_gained(runs)
     gain, mass = gain_in_contacts(runs)
-    assert np.max(gain / mass) < 0.5 * 3.0**2
+    fastest = np.max(np.hypot(runs.pieces.v_x, runs.pieces.v_y))
+    assert np.max(gain / mass) < 0.5 * (3.0**2 + 0.1 * fastest**2)
 
 
 @pytest.mark.parametrize("contacts", [LAW, FullModel("fast")])

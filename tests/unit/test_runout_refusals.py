@@ -111,7 +111,7 @@ OF_MATERIALS = (
     ("volume_m3 ... above 0 m3", VOLUME, "0"),
     ("volume_m3 ... above 0 m3 ... for block", VOLUME, "{ mean = 1, sd = 1 }"),
     ("key release ... x_m or along_x_m, not", "[20, 90]", "[20, 90]\nx_m = 3"),
-    ("release.x_m ... is needed", "along_x_m = [20, 90]\n", ""),
+    ("release: needs x_m or along_x_m, but has neither", "along_x_m = [20, 90]\n", ""),
     ("release.along_x_m ... list of two x", "[20, 90]", "30"),
     ("release.along_x_m ... list of two x", "[20, 90]", "[20, 30, 90]"),
     ("release.along_x_m ... must go up", "[20, 90]", "[90, 20]"),

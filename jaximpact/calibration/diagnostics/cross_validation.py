@@ -228,8 +228,8 @@ def in_words(left: LeftOut, objective: Objective, what: str) -> list[str]:
             f"band of the fit without their {what}."
         )
         if too_few(inside, count, CONFIDENCE):
-            lines.append(
-                "That is fewer than chance allows: the errors of predictions of a new "
+            lines[-1] += (
+                " That is fewer than chance allows: the errors of predictions of a new "
                 f"{what} are underestimated."
             )
     limits = study.known & (study.censored != 0) & np.isfinite(left.predicted)

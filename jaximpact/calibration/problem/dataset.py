@@ -7,7 +7,7 @@ Each time of a curve is a row of the tests, with the impact of its test, the tim
 import csv
 import dataclasses
 import itertools
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +81,33 @@ class Measurements:
         path, row = self.place(test)
         file = f"{path.stem} " if len(self.files) > 1 else ""
         return f"{file}row {row}{at}"
+
+    def missing_in_words(self, fitted: Collection[str] = ()) -> str:
+        """Say which inputs of block and impact the tables lack, but for fitted ones,
+        with their defaults; empty where they lack none."""
+        missing = [
+            f"{name} {column.default:g}"
+            for name, column in self.known_columns.items()
+            if column.part != "soil" and name not in (*self.inputs, *fitted)
+        ]
+        return f"Not in the table, default values: {', '.join(missing)}." * bool(
+            missing
+        )
+
+    @property
+    def repeated(self) -> list[tuple[int, int]]:
+        """Pairs of tests that are the same in all columns, each with the first such."""
+        columns = [*self.inputs.values(), *self.measured.values()]
+        columns += [*self.censored.values(), *self.sigmas.values()]
+        numbers = np.stack(columns, axis=1)
+        labels = [*zip(*self.labels.values(), strict=True)] or [()] * len(self)
+        first: dict[tuple, int] = {}
+        rows = [
+            # NaN is not equal to itself, its bits are.
+            first.setdefault((row.tobytes(), self.shapes[test], labels[test]), test)
+            for test, row in enumerate(numbers)
+        ]
+        return [(one, test) for test, one in enumerate(rows) if one != test]
 
     @property
     def times(self) -> np.ndarray:

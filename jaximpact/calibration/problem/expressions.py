@@ -57,7 +57,8 @@ class Tied:
 def _value(node: ast.expr, xp, values: Mapping[str, Any]) -> Any:
     match node:
         case ast.Constant(value=int() | float() as number):
-            return float(number)
+            # Which divides by zero, and takes roots, without an exception.
+            return np.float64(number)
         case ast.Name(id=name):
             return values[name]
         case ast.UnaryOp(op=ast.UAdd(), operand=inner):
@@ -134,8 +135,9 @@ def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[
                 used.append(name)
             case ast.Constant(value=bool()):
                 raise key.error(f"{text!r} holds a truth value")
-            case ast.Constant(value=int() | float()):
-                pass
+            case ast.Constant(value=int() | float() as number):
+                if abs(number) > np.finfo(float).max:
+                    raise key.error(f"{text!r} holds a number that is too large")
             case ast.BinOp(op=operator) if isinstance(operator, operators):
                 pass
             case ast.UnaryOp(op=ast.UAdd() | ast.USub()):

@@ -108,6 +108,12 @@ def _of_targets(top: Key, content: dict, table: str) -> dict[str, float]:
 def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
     """Collect sigmas (tests, targets), and the mask of targets with given ones."""
     defaults = _of_targets(top, content, "default_sigma")
+    for name in defaults:
+        if name not in targets:
+            raise top["default_sigma"][name].error(
+                f"is a sigma of a result that is not fitted; targets are "
+                f"{', '.join(targets)}"
+            )
     columns, is_given = [], []
     for name in targets:
         measured = tests.measured[name]

@@ -25,7 +25,7 @@ CSV_COLUMNS = (
 )
 RULE = (
     f"Two laws tie where their scores differ by less than {ERRORS:g} standard errors, "
-    f"or by less than {SMALL_DIFFERENCE:g}."
+    f"or by less than {SMALL_DIFFERENCE:g}, or where units are too few to tell."
 )
 
 

@@ -116,7 +116,7 @@ def _about_sigma(study: Study) -> str:
     which = f" for {names}" if np.any(study.sigma_given) else ""
     words = (
         f"No sigma is given{which}: it is estimated from the residuals, which are "
-        "taken as random."
+        "taken as random, or guessed where there are too few measurements."
     )
     if proportional := ", ".join(itertools.compress(study.targets, study.proportional)):
         words += (
@@ -147,10 +147,7 @@ def _fixed_quantities(study: Study) -> str:
     words = f"Ground: Table 1{' but for ' + ', '.join(other) if other else ''}."
     if shape is not None:
         words = f"Shape: {type(shape).__name__}. {words}"
-    missing = [f"{n} {c.default:g}" for n, c in defaults.items() if c.part != "soil"]
-    if missing:
-        words = f"Not in the table, default values: {', '.join(missing)}. {words}"
-    return words
+    return f"{study.tests.missing_in_words(fitted)} {words}".lstrip()
 
 
 def variant_table(result: StudyResult) -> Table:

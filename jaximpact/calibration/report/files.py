@@ -70,8 +70,10 @@ def write_all(
         write_text(add("report.html"), report.page())
         write_text(add("fit.json"), json_text(as_json(result, examined, others)))
         write_text(add("fitted.csv"), fitted_table(result, examined).csv())
+        left = {COMPARISON, *_posterior_names(result.study)}
         if others.compared is not None:
             write_text(add(COMPARISON), comparison_csv(others.compared))
+            left.remove(COMPARISON)
         names = _posterior_names(result.study)
         each = zip(names, result.variants, examined, strict=True)
         for name, variant, diagnostics in each:
@@ -79,6 +81,10 @@ def write_all(
                 sampled = to_inference_data(variant, diagnostics.samples)
                 with replacing(add(name)) as temporary:
                     sampled.to_netcdf(str(temporary))
+                left.remove(name)
+    # Of an earlier run with other options, which would not be that of this fit.
+    for name in left:
+        new(name).unlink(missing_ok=True)
 
 
 def _posterior_names(study: Study) -> list[str]:
@@ -91,8 +97,10 @@ def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
     """Write fitted.csv: a line for each variant, and each measurement of the tests.
 
     `row` counts the tests from 1, over all files; `limit` is `>` or `<` where only a
-    limit is known. `model_low` and `model_high` hold 95 % of the model's values for the
-    parameters that the tests allow, `low` and `high` 95 % of such measurements.
+    limit is known. `residual` is fitted less measured, `standardised` the same in units
+    of its standard deviation. `model_low` and `model_high` include 95 % of the model's
+    values for the parameters that the tests allow, `low` and `high` 95 % of such
+    measurements.
     `left_out` is predicted by the fit to the other tests, with a standard deviation.
     """
     study, rows = result.study, []
@@ -100,7 +108,7 @@ def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
         left, bands = diagnostics.each, diagnostics.bands
         columns = [
             *(study.measured, variant.sigma, variant.predicted),
-            *(variant.predicted - study.measured, diagnostics.residuals.values),
+            *(variant.predicted - study.measured, -diagnostics.residuals.values),
             *(bands.low, bands.high, bands.measured_low, bands.measured_high),
         ]
         nothing = [np.full(study.measured.shape, np.nan)] * 2

@@ -124,6 +124,12 @@ def parameter_table(variant: VariantResult) -> Table:
         bounds = f"{variant.bounds.lower[index]:g} to {variant.bounds.upper[index]:g}"
         first = of_one.name, columns[of_one.name].unit, variant.parameters[index]
         rows.append((*first, error, within, bounds + hit))
+    study = variant.objective.study
+    fitted = dict(zip(variant.names, variant.parameters, strict=True))
+    for tied in study.tied:
+        value = float(tied.evaluate(fitted))
+        unit = columns[tied.name].unit
+        rows.append((tied.name, unit, value, f"tied: {tied.text}", "-", "-"))
     head = ("parameter", "unit", "value", "standard error", "95 %", "bounds")
     return Table(head, rows)
 

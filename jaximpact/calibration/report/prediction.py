@@ -37,6 +37,7 @@ def prediction_report(prediction: PredictedTests) -> Document:
     parts: list[Part] = [
         f"{prediction.tests.described}, predicted by the fit of "
         f"{prediction.ground.title!r}.",
+        *filter(None, [prediction.tests.missing_in_words(prediction.ground.nuisances)]),
         *(_about_outside(prediction, outside) for outside in prediction.outside),
         *(
             f"No fitted test has a block of the shape {shape}."

@@ -19,7 +19,8 @@ from .comparison import comparison_parts, comparison_pictures, worse_than_others
 
 PROFILES = (
     "The profile likelihood fixes a parameter and fits the others again; the 95 % "
-    "interval of an identifiable parameter is that of its profile. Standard errors "
+    "interval of an identifiable parameter is that of its profile, or of its standard "
+    "error where a prediction is beside a jump. Standard errors "
     "follow from the curvature of the objective function at the best fit (Laplace), "
     "which is the profile's parabola there."
 )

@@ -51,7 +51,7 @@ def report(result: SlopeCalibration) -> Document:
 
     fit, posterior, predicted = result.fit, result.posterior, result.predicted
     known = [p for p in posterior.fitted if p.determined]
-    verdict = [f"{len(known)} of {len(posterior.fitted)} parameters are determined."]
+    verdict = [f"{len(known)} of {len(posterior.fitted)} parameters are identifiable."]
     verdict += [
         f"{p.parameter.name}: {p.median:.4g} (95 %: {p.low:.4g} to {p.high:.4g})."
         for p in known
@@ -89,7 +89,7 @@ def report(result: SlopeCalibration) -> Document:
         _parameters(posterior.fitted),
         "Width is that of the 95 % interval as a fraction of the prior's, both as "
         f"probabilities under the prior; from {WIDE:g} on the observations do not "
-        "determine a parameter.",
+        "identify a parameter.",
         marginals,
         ReportSection(
             "Correlation of ranks",
@@ -136,7 +136,7 @@ def warnings_of(result: SlopeCalibration) -> list[str]:
         name = p.parameter.name
         if not p.determined:
             lines.append(
-                f"{name} is not determined: its interval is {p.ratio:.0%} as wide as "
+                f"{name} is not identifiable: its interval is {p.ratio:.0%} as wide as "
                 "the prior's."
             )
         elif p.at_bound:
@@ -164,7 +164,7 @@ def _parameters(fitted: tuple[FittedParameter, ...]) -> Table:
         (
             *(p.parameter.name, p.median, interval_text(p.low, p.high)),
             *(interval_text(p.prior_low, p.prior_high), f"{p.ratio:.0%}"),
-            "determined" if p.determined else "not determined",
+            "identifiable" if p.determined else "not identifiable",
         )
         for p in fitted
     ]

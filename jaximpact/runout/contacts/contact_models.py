@@ -14,7 +14,8 @@ from ...errors import InputError
 from ...impact.events import Outcome
 from ...impact_response import ImpactResponse, ImpactResponses, respond
 from ...progress import SILENT, telling
-from ...rebound import Rebound
+from ...quantities import own_columns
+from ...rebound import AbstractRebound, Rebound
 from ...scene import Block, Impact, Scene, Soil
 from ..lane_programs import closed_form
 
@@ -61,7 +62,8 @@ class ClosedForm:
             velocities after. An `AbstractRebound`, or another pytree of its parameters,
             which are scalars, or `(blocks,)` where each block of a run has its own.
 
-    Raises InputError for a class in place of an object, and for what cannot be called.
+    Raises InputError for a class in place of an object, for what cannot be called, and
+    for parameters of an `AbstractRebound` out of their range.
     """
 
     law: Callable[[Block, Impact], Rebound]
@@ -74,6 +76,8 @@ class ClosedForm:
             )
         if not callable(self.law):
             raise InputError(f"law must be a law of rebound, but is {self.law!r}")
+        if isinstance(self.law, AbstractRebound):
+            _check_values(self.law)
 
     def at(self, blocks: np.ndarray) -> "ClosedForm":
         """Select the parameters of some blocks."""
@@ -91,6 +95,22 @@ class ClosedForm:
         finite = np.all(np.isfinite(after), axis=0)
         outcome = np.where(finite, int(Outcome.detached), int(Outcome.failed))
         return ImpactResponses(response, outcome)
+
+
+def _check_values(law: AbstractRebound) -> None:
+    """Raise InputError for a parameter that is out of its range."""
+    for column in own_columns(type(law)):
+        value = getattr(law, column.field)
+        if isinstance(value, jax.core.Tracer):
+            continue
+        values = np.atleast_1d(np.asarray(value, float))
+        wrong = ~column.is_allowed(values / column.factor)
+        if np.any(wrong):
+            number = column.describe(values[wrong][0], column.si_unit)
+            raise InputError(
+                f"{type(law).__name__}.{column.field} must be {column.requirement}, "
+                f"but is {number}"
+            )
 
 
 @closed_form

@@ -441,12 +441,13 @@ def _recorded(
     v_x, v_y, spin = way_x / time, way_y / time, body.angular_velocity
     turn = response.angular_velocity - spin
     end_x, end_y = 2.0 * v_x - body.v_x, 2.0 * v_y - body.v_y
-    # Where that would end with more energy than it begins with it is uniform: the
-    # velocity may change at once, and then no more.
+    # Where that would end with a tenth more energy than it begins with it is uniform:
+    # the velocity changes at once, and then no more.
     mass, inertia = constants.mass_properties
     gain = end_x**2 - body.v_x**2 + end_y**2 - body.v_y**2 + 2.0 * GRAVITY * way_y
     gain += inertia / mass * turn * (turn + 2.0 * spin)
-    uniform = gain > 0.0
+    begun = body.v_x**2 + body.v_y**2 + inertia / mass * spin**2
+    uniform = gain > 0.1 * begun
     v_x, v_y = jnp.where(uniform, v_x, body.v_x), jnp.where(uniform, v_y, body.v_y)
     spin = jnp.where(uniform, spin + 0.5 * turn, spin)
     piece = Pieces(

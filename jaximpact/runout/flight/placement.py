@@ -59,9 +59,12 @@ def check_release(release: Release, profile: Profile) -> None:
     buried = depth > 1e-6 * outline.smallest  # more than rounding
     if np.any(buried):
         i = int(np.argmax(buried))
+        ground = float(profile.height(release.x[i]))
         raise ValueError(
-            f"block {i} is released {depth[i]:.3g} m in the ground; its centre at "
-            f"x = {release.x[i]:g} must lie higher than y = {release.y[i]:g}"
+            f"block {i} is released in the ground, with its centre at y = "
+            f"{release.y[i]:.10g}; at x = {release.x[i]:.10g} the ground is at y = "
+            f"{ground:.10g}, and the centre must lie about {outline.smallest[i]:.3g} m "
+            "above it, or more"
         )
     above = release.y - profile.height(release.x)
     if np.max(above) > HIGHEST_CLIFF:

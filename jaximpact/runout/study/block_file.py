@@ -212,9 +212,11 @@ def _check_alternatives(
     if ("x_m" in quantities) == has_line:
         if has_line:
             raise key.error(f"takes x_m or {LINE}, not both")
-        raise key["x_m"].error("is needed")
-    if ("y_m" in quantities) == ("clearance_m" in quantities):
-        raise key.error("needs y_m or clearance_m, not both")
+        raise key.error(f"needs x_m or {LINE}, but has neither")
+    heights = [n for n in ("y_m", "clearance_m") if n in quantities]
+    if len(heights) != 1:
+        has = "both" if heights else "neither"
+        raise key.error(f"needs y_m or clearance_m, but has {has}")
     polar = [n for n in ("speed_mps", "direction_deg") if n in quantities]
     cartesian = [n for n in ("v_x_mps", "v_y_mps") if n in quantities]
     if polar and cartesian:

@@ -265,7 +265,7 @@ def _check_calibrated(
     for name, reason in calibrated.undetermined.items():
         if f"ground.{name}" not in said:
             raise key.error(
-                f"must say {name}, which the tests do not determine: {reason}"
+                f"must say {name}, which is not identifiable from the tests: {reason}"
             )
     for name in calibrated.names:
         if isinstance(said.get(f"ground.{name}"), RandomField):
