@@ -20,6 +20,7 @@ from ._precision import require_float64
 from ._settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.rows import compute_rows, in_parts, prepare
+from .errors import InputError
 from .identity import part_names
 from .impact.dynamics import LedgerItems
 from .impact.results import ImpactSummary, empty_summary
@@ -42,6 +43,11 @@ LARGEST_PART = 16_384
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     """Return the scene with every field as an array of one length, and the length.
     ValueError if the fields do not broadcast to one axis, or there are none."""
+    if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(scene)):
+        raise InputError(
+            "simulate_batch cannot be traced by jit, vmap or grad; take simulate, as "
+            "fast there"
+        )
     shape = shape_of(scene)
     if len(shape) > 1:
         raise ValueError(

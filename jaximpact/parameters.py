@@ -412,7 +412,10 @@ class Composite(Module):
                 f"{kind.__name__} takes at most {len(fields)} values, but "
                 f"{len(values)} were given"
             )
-        named = dict(zip(fields, values, strict=False)) | named
+        by_place = dict(zip(fields, values, strict=False))
+        if twice := by_place.keys() & named.keys():
+            raise TypeError(f"{kind.__name__} got two values of {min(twice)!r}")
+        named = by_place | named
         for slot, base in parts_of(kind).items():
             given_part = named.pop(slot, None)
             if given_part is None:

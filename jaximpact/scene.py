@@ -303,6 +303,11 @@ def as_scene(
             )
         return scene
     if isinstance(scene, tuple | list):
+        if soil is not None or impact is not None or not 1 <= len(scene) <= 3:
+            raise InputError(
+                "a scene in a tuple is its block, soil and impact, and nothing beside "
+                f"it, but the tuple has {len(scene)} entries"
+            )
         return as_scene(*scene)
     components = {"block": scene, "soil": soil, "impact": impact}
     for name, value in components.items():

@@ -124,7 +124,7 @@ TIME_LIMIT = 1.0
 
 
 class Outcome(enum.IntEnum):
-    """Why an impact ended."""
+    """Why an impact ended. A member is equal to its code and to its word."""
 
     detached = 0
     """The normal force, or the sinking, came down to zero."""
@@ -142,6 +142,18 @@ class Outcome(enum.IntEnum):
 
     def __str__(self) -> str:
         return self.name.replace("_", " ")
+
+    def __format__(self, specification: str) -> str:
+        return format(str(self), specification)
+
+    def __eq__(self, other: object) -> bool:
+        return str(self) == other if isinstance(other, str) else int(self) == other
+
+    def __ne__(self, other: object) -> bool:
+        return str(self) != other if isinstance(other, str) else int(self) != other
+
+    def __hash__(self) -> int:
+        return hash(int(self))
 
 
 class Margins(NamedTuple):

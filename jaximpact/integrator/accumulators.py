@@ -74,7 +74,6 @@ def cut(fold: Fold, by: Callable = jax.lax.stop_gradient) -> Fold:
         by: what is done to each of these quantities.
     """
     return fold._replace(
-        peak_times=by(fold.peak_times),
         watched=fold.watched._replace(switches=by(fold.watched.switches)),
         watched_rate=fold.watched_rate._replace(
             margins=by(fold.watched_rate.margins),
@@ -222,9 +221,10 @@ def peak_of_cubic(start, start_rate, end, end_rate, width):
     rates.
 
     Returns:
-        The value and where it is reached, as a part of the step. Of equal candidates
-        the end counts. Finite, with finite gradients, for every input: flat steps and
-        steps of no width give the end's value.
+        The value and where it is reached, as a part of the step, which moves where it
+        lies within the step. Of equal candidates the end counts. Finite, with finite
+        gradients, for every input: flat steps and steps of no width give the end's
+        value.
     """
     a, b, c = hermite_cubic(start, start_rate, end, end_rate, width)
     # derivative a + 2 b s + 3 c s^2; its maximum root in the form without cancellation
@@ -235,7 +235,15 @@ def peak_of_cubic(start, start_rate, end, end_rate, width):
     # The place of a maximum has no first-order effect on its value.
     s = jax.lax.stop_gradient(jnp.clip(s, 0.0, 1.0))
     inside = start + s * (a + s * (b + s * c))
-    return jnp.where(inside > end, inside, end), jnp.where(inside > end, s, 1.0)
+    # It moves as a Newton step on the derivative does, which is zero there.
+    derivative, bend = (
+        a + s * (2.0 * b + 3.0 * c * s),
+        jax.lax.stop_gradient(2.0 * root),
+    )
+    moves = usable & (s > 0.0) & (s < 1.0) & (bend > 0.0)
+    change = derivative - jax.lax.stop_gradient(derivative)
+    place = s + jnp.where(moves, change / jnp.where(moves, bend, 1.0), 0.0)
+    return jnp.where(inside > end, inside, end), jnp.where(inside > end, place, 1.0)
 
 
 class LastStep(NamedTuple):

@@ -241,7 +241,7 @@ class LandingController(diffrax.AbstractStepSizeController):
         self, terms, t0, t1, y0, dt0, args, func, error_order
     ) -> tuple[Any, LandingState]:
         if dt0 is None:
-            dt0 = FIRST_WIDTH * args.passing_time
+            dt0 = FIRST_WIDTH * jax.lax.stop_gradient(args.passing_time)
         t1, inner = self.inner.init(terms, t0, t1, y0, dt0, args, func, error_order)
         zero = jnp.zeros_like(t1)
         return t1, LandingState(inner, zero, zero, zero)

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..impact.dynamics import ARM
 from ..impact.events import TIME_LIMIT, Margins, branch_of
 from ..impact.problem import Observed, Problem, jacobian_pattern
 from ..laws import Branch
@@ -178,17 +179,29 @@ def diffrax_arguments(
     )
 
 
-def _peaks_at_the_end(problem: Problem, fold: Fold, time: Scalar, vector) -> Fold:
-    """Take peaks that are reached as the impact ends there: they move with the
-    event's time."""
+def _moved_to_the_end(
+    problem: Problem, fold: Fold, time: Scalar, correction: Scalar, vector
+) -> Fold:
+    """Move the accumulators with the event's time: peaks that are reached as the impact
+    ends, and the work up to then."""
     watched = problem.watch(list(vector), fold.peaks.normal_force)
+    at_end = [reached >= time for reached in fold.peak_times]
     peaks = [
-        jnp.where(reached >= time, jnp.abs(value), peak)
-        for peak, reached, value in zip(
-            fold.peaks, fold.peak_times, watched.observed, strict=True
-        )
+        jnp.where(ends, jnp.abs(value), peak)
+        for ends, peak, value in zip(at_end, fold.peaks, watched.observed, strict=True)
     ]
-    return fold._replace(peaks=Observed(*peaks))
+    times = [
+        reached - jnp.where(ends, correction, 0.0)
+        for ends, reached in zip(at_end, fold.peak_times, strict=True)
+    ]
+    work = fold.work
+    if problem.ledger is True:
+        branch = branch_of(fold.watched.switches)
+        power = problem.power(vector, fold.rates, branch)
+        work = jax.tree.map(lambda done, rate: done - correction * rate, work, power)
+    elif problem.ledger == ARM:
+        work = work._replace(arm=work.arm - correction * fold.watched.arm_power)
+    return fold._replace(peaks=Observed(*peaks), peak_times=Observed(*times), work=work)
 
 
 def integrate(
@@ -239,7 +252,7 @@ def end_of(
     return End(
         vector=vector,
         time=jax.lax.stop_gradient(time) - correction,
-        fold=_peaks_at_the_end(problem, state.fold, time, vector),
+        fold=_moved_to_the_end(problem, state.fold, time, correction, vector),
         margins=problem.margins(vector, state.fold.peaks.normal_force),
         event=event,
         finished=finished & jnp.all(jnp.isfinite(vector)),

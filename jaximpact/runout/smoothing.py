@@ -65,7 +65,7 @@ def smooth_heights(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
     if spacing > length:
         _warn(
             f"a smoothing over {length:g} m leaves most of the noise of points that "
-            f"are {spacing:.3g} m apart; it takes a length of some times as much"
+            f"are {spacing:.3g} m apart; choose smooth_m several times as long"
         )
     if np.max(moved) > 0.5:  # noise is smaller, walls are larger
         i = int(np.argmax(moved))

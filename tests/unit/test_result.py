@@ -432,3 +432,21 @@ def test_copies_are_the_same(name, copied, request):
         jax.tree.leaves(again), jax.tree.leaves(result), strict=True
     ):
         np.testing.assert_array_equal(received, expected)
+
+
+def test_an_outcome_is_its_code_and_its_word():
+    """As arrays of words of many impacts compare with a word."""
+    outcome = Outcome.in_contact
+    assert outcome == "in contact"
+    assert (outcome != "in contact") is False
+    assert outcome != "failed"
+    assert outcome == 3
+    assert outcome in ("in contact", "failed")
+    assert f"{outcome:>11}" == " in contact"
+    assert {outcome: 1}[Outcome(3)] == 1
+    np.testing.assert_array_equal(np.array([0, 3]) == outcome, [False, True])
+
+
+def test_a_batch_is_not_traced():
+    with pytest.raises(InputError, match="take simulate"):
+        jax.jit(lambda mass: simulate_batch(Block(mass=mass)).e_n)(np.ones(3))

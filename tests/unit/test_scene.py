@@ -295,3 +295,15 @@ def test_radians_are_not_warned_of():
 
 def test_version():
     assert jaximpact.__version__ == metadata.version("jaximpact")
+
+
+def test_a_scene_in_a_tuple_is_whole():
+    with pytest.raises(InputError, match="nothing beside it, but the tuple has 2"):
+        simulate((Block(), Soil()), None, Impact(speed=5.0))
+    with pytest.raises(InputError, match="the tuple has 0 entries"):
+        simulate(())
+
+
+def test_a_value_is_given_once():
+    with pytest.raises(TypeError, match="Impact got two values of 'speed'"):
+        Impact(1.0, speed=2.0)
