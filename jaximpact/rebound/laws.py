@@ -68,8 +68,8 @@ class BozzoloPamini(AbstractRebound):
     move into the ground afterwards, $r_t\Omega' < 0$.
 
     Source: Bozzolo and Pamini (1986), Acta Mechanica 63, 113-130, as described by
-    Dattola et al. (2023), section 4.2; the equations follow from its two conditions. Losses at the
-    contact, which later programs put on top, are not in it.
+    Dattola et al. (2023), section 4.2; the equations follow from its two conditions.
+    Losses at the contact, which later programs put on top, are not in it.
     """
 
     words: ClassVar[str] = "Bozzolo and Pamini"

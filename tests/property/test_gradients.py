@@ -249,9 +249,7 @@ def test_times_of_peaks_and_the_ledger_move(engine, parameter):
 
     value, step = start[parameter], 1e-5
     above, below = results(value + step), results(value - step)
-    for found, more, less in zip(
-        jax.jacfwd(results)(value), above, below, strict=True
-    ):
+    for found, more, less in zip(jax.jacfwd(results)(value), above, below, strict=True):
         wanted = (more - less) / (2.0 * step)
         assert np.all(wanted != 0.0)
         np.testing.assert_allclose(found, wanted, rtol=5e-3)
