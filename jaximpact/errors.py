@@ -108,8 +108,9 @@ FEW_NAMES = 15
 
 
 def did_you_mean(name, known: Iterable, show: Callable[[str], str] = str) -> str:
-    """What may have been meant by an unknown name, to follow "is unknown; ": the known
-    name most like it; where none is, all of them if they are few.
+    """Say what may have been meant by an unknown name, to follow "is unknown; ".
+
+    That is the known name most like it; where none is, all of them if they are few.
 
     Args:
         show: how a known name is shown.

@@ -238,7 +238,7 @@ def test_the_command_writes_a_report_and_goes_on_where_it_was(
     assert any((out / "unfinished").iterdir())
     assert main(command) == 0
     printed = capsys.readouterr().out
-    assert "1 of 1 parameters are determined" in printed
+    assert "1 of 1 parameters are identifiable" in printed
     assert not (out / "unfinished").exists()
     page = (out / "report.html").read_text()
     assert "fence" in page

@@ -149,9 +149,12 @@ def test_plots_are_axes_and_files(found, tmp_path):
     found.plot_draws("c_v", "gamma_v", ax=axes[1, 0])
     assert axes[1, 0].get_ylabel() == "gamma_v [m/s]"
     pyplot.close(figure)
-    for plot in (found.plot_profile, found.plot_residuals):
-        with pytest.raises(InputError, match="did you mean"):
-            plot("c_w")
+    with pytest.raises(InputError, match="did you mean c_v"):
+        found.plot_profile("c_w")
+    with pytest.raises(
+        InputError, match="must be one of prediction, mass_kg, speed_mps"
+    ):
+        found.plot_residuals("c_w")
 
 
 def test_tables_of_a_fit(found):

@@ -262,7 +262,7 @@ REFUSED = {
         ("flow\nPerzyna\n\nmy_laws.py:Creping\n", "row 4, column flow: flow 'my_laws"),
         ("shape,mass_kg\n,1\n", "row 2, column shape: is empty, but a name is needed"),
         ("shape\nEllipse\n", "row 2, column shape: shape 'Ellipse' is unknown"),
-        ("my_rate\n3\n", "row 1, column my_rate: is unknown; did you mean"),
+        ("my_rate\n3\n", "row 1, column my_rate: is unknown; none of the"),
         ("corner_radius_ratio\n0.1\n", "row 1, column corner_radius_ratio: is unknown"),
         (CORNERS + "0.1\nRectangularPrism,0.1\n", "row 2, column corner_radius_ratio"),
         (CORNERS + "\nRectangularPrism,\n", "row 3, column corner_radius_ratio: is em"),
@@ -270,7 +270,7 @@ REFUSED = {
         ("shape,mass_kg,k_E\nEllipsoid,\n", "row 2: has 2 cells, but the header has 3"),
     ],
     "sweep": [
-        ("my_rate = [1]", "key axes.my_rate: is unknown; did you mean"),
+        ("my_rate = [1]", "key axes.my_rate: is unknown; none of the"),
         ('shape = ["Ellipse"]', "key axes.shape: shape 'Ellipse' is unknown; did you"),
         ("shape = [1]", "key axes.shape: must be a text, but is 1"),
         ('shape = "Ellipsoid"', "axis shape must be a list of names of shapes, but"),

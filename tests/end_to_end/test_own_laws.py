@@ -115,7 +115,7 @@ WRONG = {
         "class Wrong(Vesic): pass",
         r"Wrong must derive from AbstractFlow \(class Wrong\(AbstractFlow\): ...\)",
     ),
-    "another name": ("class Other: pass", "there is no class Wrong; did you mean"),
+    "another name": ("class Other: pass", "there is no class Wrong; known are Other"),
     "an error of its own": ("1 / 0", r"cannot be run .* \(line 6\): ZeroDivisionError"),
     "no Python": ("class (:", "SyntaxError"),
 }

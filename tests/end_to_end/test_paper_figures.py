@@ -289,8 +289,8 @@ def test_command_writes_drawing_table_and_manifest(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (["--only", "15"], ["'15'", "did you mean", "13"]),
-        (["--only", "4", "figure-8"], ["'figure-8'", "did you mean 8?"]),
+        (["--only", "15"], ["one of 4, 5, 6, 7, 8,", "'15'"]),
+        (["--only", "4", "figure-8"], ["one of 4, 5, 6, 7, 8,", "'figure-8'"]),
         (["--ground", "table 1"], ["'table 1'", "did you mean 'Table 1'"]),
     ],
 )

@@ -239,7 +239,7 @@ def test_undetermined_parameters_must_be_said(here, capsys):
         ("ground.form ... is unknown", 'form = "fit"', {}),
         ("key ground.from ... must be a text", "from = 3", {}),
         ("ground.variant ... needs from too", 'variant = "a"', {}),
-        ("no variant 'a' ... 'as given'?", f'{FROM}\nvariant = "a"', {}),
+        ("no variant 'a' ... known are 'as given'", f'{FROM}\nvariant = "a"', {}),
         ("c_v between 0.01 and 10 ... it is 20", f"{FROM}\nc_v = 20", {}),
         (
             "ground.c_v ... leave out correlation_length_m",

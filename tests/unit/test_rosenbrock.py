@@ -324,7 +324,7 @@ def after_step(error, error_before=1.0, width=2.0):
 def test_the_next_width_follows_from_two_errors(error):
     keep, begin, width, remembered = after_step(error, 0.5)
     assert (keep, begin) == (True, 5.0)
-    expected = 0.85 * error**-0.2 * 0.5**0.02
+    expected = 0.85 * error**-0.2 * 0.5**0.04
     np.testing.assert_allclose(width, 2.0 * expected, rtol=1e-14)
     np.testing.assert_allclose(remembered, error, rtol=1e-15)
 
