@@ -14,6 +14,7 @@ from types import EllipsisType
 
 import jax
 import numpy as np
+from jax.core import Tracer
 
 from ._packages import versions
 from ._precision import require_float64
@@ -43,7 +44,7 @@ LARGEST_PART = 16_384
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     """Return the scene with every field as an array of one length, and the length.
     ValueError if the fields do not broadcast to one axis, or there are none."""
-    if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(scene)):
+    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)):
         raise InputError(
             "simulate_batch cannot be traced by jit, vmap or grad; take simulate, as "
             "fast there"

@@ -102,7 +102,7 @@ def find_class(slot: str, base: type, text: str, directory: Path | None = None) 
         kinds = [
             n
             for n, value in vars(module).items()
-            if isinstance(value, type) and value.__module__ == module.__name__
+            if isinstance(value, type) and value.__module__ == vars(module)["__name__"]
         ]
         hint = f"; {did_you_mean(name, kinds)}" if kinds else ""
         raise InputError(f"{slot} {text!r}: there is no class {name}{hint}")

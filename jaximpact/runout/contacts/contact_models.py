@@ -8,6 +8,7 @@ from typing import Protocol
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 
 from ...accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ...errors import InputError
@@ -101,7 +102,7 @@ def _check_values(law: AbstractRebound) -> None:
     """Raise InputError for a parameter that is out of its range."""
     for column in own_columns(type(law)):
         value = getattr(law, column.field)
-        if isinstance(value, jax.core.Tracer):
+        if isinstance(value, Tracer):
             continue
         values = np.atleast_1d(np.asarray(value, float))
         wrong = ~column.is_allowed(values / column.factor)
