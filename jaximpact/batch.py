@@ -46,8 +46,8 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     ValueError if the fields do not broadcast to one axis, or there are none."""
     if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)):
         raise InputError(
-            "simulate_batch cannot be traced by jit, vmap or grad; take simulate, as "
-            "fast there"
+            "simulate_batch cannot be traced by jit, vmap or grad; take simulate, "
+            "which is as fast there"
         )
     shape = shape_of(scene)
     if len(shape) > 1:

@@ -107,6 +107,17 @@ FEW_NAMES = 15
 """Known names that an error lists where none is like the one that was given."""
 
 
+def nearest(name, known: Iterable) -> str | None:
+    """Find the known name most like an unknown one; None where none is like it."""
+    folded = {str(k).lower(): str(k) for k in known}
+    # Comparing takes as long as the name is.
+    asked = str(name)[:LONGEST].lower()
+    like = [k for k in OTHER_WORDS.get(asked, []) if k.lower() in folded]
+    like = like or difflib.get_close_matches(asked, folded, n=1)
+    like = like or [k for k in folded if len(asked) > 2 and k.startswith(asked)]
+    return folded[like[0].lower()] if like else None
+
+
 def did_you_mean(name, known: Iterable, show: Callable[[str], str] = str) -> str:
     """Say what may have been meant by an unknown name, to follow "is unknown; ".
 
@@ -115,17 +126,13 @@ def did_you_mean(name, known: Iterable, show: Callable[[str], str] = str) -> str
     Args:
         show: how a known name is shown.
     """
-    folded = {str(k).lower(): str(k) for k in known}
-    # Comparing takes as long as the name is.
-    asked = str(name)[:LONGEST].lower()
-    like = [k for k in OTHER_WORDS.get(asked, []) if k.lower() in folded]
-    like = like or difflib.get_close_matches(asked, folded, n=1)
-    like = like or [k for k in folded if len(asked) > 2 and k.startswith(asked)]
-    if like:
-        return f"did you mean {show(folded[like[0].lower()])}?"
-    if len(folded) > FEW_NAMES:
-        return f"none of the {len(folded)} known names is like it"
-    return f"known are {', '.join(map(show, folded.values()))}"
+    names = [str(k) for k in known]
+    near = nearest(name, names)
+    if near is not None:
+        return f"did you mean {show(near)}?"
+    if len(names) > FEW_NAMES:
+        return f"none of the {len(names)} known names is like it"
+    return f"known are {', '.join(map(show, names))}"
 
 
 def check_choice(name: str, value, known: Collection[str], **place) -> None:
@@ -137,9 +144,7 @@ def check_choice(name: str, value, known: Collection[str], **place) -> None:
     """
     is_text = isinstance(value, str)
     if not is_text or value not in known:
-        problem = f"must be one of {', '.join(known)}, but is {value!r}"
-        hint = did_you_mean(value, known) if is_text else ""
-        # All known names stand in the error already.
-        if hint.startswith("did"):
-            problem += f"; {hint}"
+        near = nearest(value, known) if is_text else None
+        hint = f"; did you mean {near}?" if near else ""
+        problem = f"must be one of {', '.join(known)}, but is {value!r}{hint}"
         raise InputError(f"{name} {problem}".lstrip(), **place)

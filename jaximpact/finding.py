@@ -16,7 +16,7 @@ from types import CodeType, ModuleType
 from typing import NamedTuple
 
 from ._packages import is_installed
-from .errors import InputError, did_you_mean
+from .errors import InputError, did_you_mean, nearest
 from .interruption import is_interrupt
 
 CURE = (
@@ -80,8 +80,10 @@ def find_class(slot: str, base: type, text: str, directory: Path | None = None) 
         if _folded(text) in known:
             return known[_folded(text)]
         names = [kind.__name__ for kind in shipped(base)]
+        near = nearest(text, names)
+        hint = f"; did you mean {near}?" if near else ""
         raise InputError(
-            f"{slot} {text!r} is unknown; {did_you_mean(text, names)} (there "
+            f"{slot} {text!r} is unknown{hint} (there "
             f"are {', '.join(names)}; one of your own is named as 'file.py:Class')"
         )
     if place.endswith(".py"):

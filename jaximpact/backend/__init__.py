@@ -5,7 +5,7 @@ Engines have names: machine code, or diffrax with one of its solvers.
 
 from typing import TYPE_CHECKING, NamedTuple, Union
 
-from ..errors import InputError, did_you_mean
+from ..errors import InputError, nearest
 
 if TYPE_CHECKING:  # which takes a while to load
     import diffrax
@@ -50,7 +50,9 @@ def get_engine(engine: Union[str, "diffrax.AbstractAdaptiveSolver"]) -> Engine:
             f"engine is the class {engine.__name__}; need a solver made of it, "
             f"{engine.__name__}()"
         )
+    near = nearest(engine, ENGINES)
+    hint = f"; did you mean {near!r}?" if near else ""
     raise InputError(
         f"engine must be one of {', '.join(ENGINES)}, or a solver of diffrax, but "
-        f"{engine!r} was given; {did_you_mean(engine, ENGINES, repr)}"
+        f"{engine!r} was given{hint}"
     )

@@ -236,10 +236,8 @@ def peak_of_cubic(start, start_rate, end, end_rate, width):
     s = jax.lax.stop_gradient(jnp.clip(s, 0.0, 1.0))
     inside = start + s * (a + s * (b + s * c))
     # It moves as a Newton step on the derivative does, which is zero there.
-    derivative, bend = (
-        a + s * (2.0 * b + 3.0 * c * s),
-        jax.lax.stop_gradient(2.0 * root),
-    )
+    derivative = a + s * (2.0 * b + 3.0 * c * s)
+    bend = jax.lax.stop_gradient(2.0 * root)
     moves = usable & (s > 0.0) & (s < 1.0) & (bend > 0.0)
     change = derivative - jax.lax.stop_gradient(derivative)
     place = s + jnp.where(moves, change / jnp.where(moves, bend, 1.0), 0.0)

@@ -88,7 +88,7 @@ def check_scene(
             )
         if isinstance(value, Tracer) or not np.size(value):
             continue
-        _check_field(name, column, value, warn=warn, of=of)
+        check_field(name, column, value, warn=warn, of=of)
 
 
 def usual_values(structure: Any, leaves: list) -> Any:
@@ -178,7 +178,7 @@ def check_times(
     return times, shape
 
 
-def _check_field(
+def check_field(
     name: str, column: InputColumn, value: ArrayLike, *, warn: bool, of: str
 ) -> None:
     """Raise InputError for the first value of a field, in SI, that its column may not

@@ -302,7 +302,9 @@ def save_figure(figure: Figure, path: str | os.PathLike | None) -> Figure:
                 f"a drawing must end in a format such as .png or .pdf, but is {path}"
             )
         if not path.parent.is_dir():
-            raise InputError(f"a drawing needs the directory {path.parent}")
+            raise InputError(
+                f"a drawing needs the directory {path.parent}, which is not there"
+            )
         with replacing(path) as temporary:
             if path.suffix.lower() == ".png":
                 temporary.write_bytes(png_bytes(figure))

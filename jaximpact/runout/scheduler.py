@@ -27,10 +27,6 @@ from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, RunSta
 from .terrain import Ground, Profile
 from .trajectory import Runs, joined
 
-ORIGINS = 1000.0
-"""Distance between the places that x is counted from [m]. In a national grid numbers
-are resolved more coarsely than contacts are told apart: so blocks are followed in
-coordinates that begin near the slope."""
 WIDTH = 8192
 """Number of blocks under way at once: enough for full cores, few enough for the
 caches."""
@@ -149,16 +145,18 @@ def follow(
     """Follow blocks from their release to their ends, those of one shape at a time; see
     `simulate_runout`."""
     states, indices, done = [], [], 0
-    origin = ORIGINS * np.round(profile.x[0] / ORIGINS)
-    near = profile.moved(-origin)
+    # The coordinates of national grids are coarser than the distances of contacts.
+    origin = profile.origin
+    near = profile.from_origin if origin else profile
     for alone, lanes in release.by_shape():
         of_shape, laws = ground, contacts
         if len(lanes) < release.count:
             of_shape = (ground or Ground.of_profile(profile)).of_blocks(lanes)
             laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
-        body = alone.body._replace(x=alone.x - origin)
-        there = Release(alone.block, *body)
-        state = RunState.at_release(near, there, of_shape, limits)
+        if origin:
+            body = alone.body._replace(x=alone.x - origin)
+            alone = Release(alone.block, *body)
+        state = RunState.at_release(near, alone, of_shape, limits)
         _advance(state, laws, width, _Counted(progress, done, release.count))
         done += len(lanes)
         states.append(state)

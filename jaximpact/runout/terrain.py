@@ -22,6 +22,8 @@ from .coordinates import NARROWEST, problem_with, warn_of_unusual
 from .covers import cover_table
 from .smoothing import smooth_heights
 
+ORIGINS = 1000.0
+"""Distance between the places that may be an origin [m]."""
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
 ROLLING_COLUMN = "rolling_friction_angle_deg"
@@ -199,10 +201,16 @@ class Profile(ShownAsTable):
         the end points."""
         return np.interp(x, self.x, self.y)
 
-    def moved(self, distance: float) -> "Profile":
-        """Move the points to the right by a distance [m]."""
+    @property
+    def origin(self) -> float:
+        """Place near the start of the profile [m]; 0 where that is near 0."""
+        return float(ORIGINS * np.round(self.x[0] / ORIGINS))
+
+    @cached_property
+    def from_origin(self) -> "Profile":
+        """Profile with x counted from `origin`."""
         there = copy.copy(self)
-        object.__setattr__(there, "x", self.x + distance)
+        object.__setattr__(there, "x", self.x - self.origin)
         return there
 
     def smoothed(self, length: float) -> "Profile":

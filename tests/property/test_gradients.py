@@ -258,7 +258,7 @@ def test_times_of_peaks_and_the_ledger_move(engine, parameter):
 def test_the_differentiated_ledger_closes():
     """The residual hardly changes with a parameter, as items add up at every value."""
 
-    def residual(c_v):
+    def ledger(c_v):
         return simulate(
             Block(aspect_ratio=2.0),
             Soil(c_v=c_v),
@@ -267,7 +267,7 @@ def test_the_differentiated_ledger_closes():
             ledger=True,
         ).energy
 
-    slope = jax.jacfwd(residual)(1.0)
+    slope = jax.jacfwd(ledger)(1.0)
     assert abs(slope.residual) < 1e-4 * abs(slope.viscoplastic)
 
 

@@ -82,9 +82,9 @@ def test_a_file_gives_points_and_ground(tmp_path):
         ("x_m,x_m,y_m\n0,0,0\n", "stands twice"),
         (
             "x_m;y_m\n0;0\n1;0\n",
-            "row 1: columns are separated by .;.;",
+            "row 1: columns are separated by .;.; separate them by ','",
         ),
-        ("x_m\ty_m\n0\t0\n", "row 1: columns are separated by tabs;"),
+        ("x_m\ty_m\n0\t0\n", "row 1: columns are separated by tabs; separ"),
         ("x_m,y_m\n0,0\n1\n", "row 3: has 1 cells, but the header has 2"),
         ("x_m,y_m\n0,0\n1,low\n", "row 3, column y_m: must be a number, but is 'low'"),
         ("x_m,y_m\n0,0\n1,nan\n", "row 3, column y_m: must be finite, but is nan"),
@@ -94,7 +94,7 @@ def test_a_file_gives_points_and_ground(tmp_path):
         ("x_m,y_m\n1,0\n0,0\n", "x goes from 1 to 0"),
         (
             "x_m,y_m,k_E\n0,0,-1\n1,0,1\n",
-            "row 2, column k_E: must be above 0, but ",
+            "row 2, column k_E: must be above 0, but is -1",
         ),
     ],
 )

@@ -90,9 +90,9 @@ class Measurements:
             for name, column in self.known_columns.items()
             if column.part != "soil" and name not in (*self.inputs, *fitted)
         ]
-        return f"Not in the table, default values: {', '.join(missing)}." * bool(
-            missing
-        )
+        if not missing:
+            return ""
+        return f"Not in the table, default values: {', '.join(missing)}."
 
     @property
     def repeated(self) -> list[tuple[int, int]]:
@@ -100,14 +100,14 @@ class Measurements:
         columns = [*self.inputs.values(), *self.measured.values()]
         columns += [*self.censored.values(), *self.sigmas.values()]
         numbers = np.stack(columns, axis=1)
-        labels = [*zip(*self.labels.values(), strict=True)] or [()] * len(self)
+        texts = zip(self.shapes, *self.labels.values(), strict=True)
         first: dict[tuple, int] = {}
-        rows = [
-            # NaN is not equal to itself, its bits are.
-            first.setdefault((row.tobytes(), self.shapes[test], labels[test]), test)
-            for test, row in enumerate(numbers)
+        # NaN is not equal to itself, its bits are.
+        same = [
+            first.setdefault((row.tobytes(), text), test)
+            for test, (row, text) in enumerate(zip(numbers, texts, strict=True))
         ]
-        return [(one, test) for test, one in enumerate(rows) if one != test]
+        return [(one, test) for test, one in enumerate(same) if one != test]
 
     @property
     def times(self) -> np.ndarray:

@@ -70,20 +70,20 @@ def write_all(
         write_text(add("report.html"), report.page())
         write_text(add("fit.json"), json_text(as_json(result, examined, others)))
         write_text(add("fitted.csv"), fitted_table(result, examined).csv())
-        left = {COMPARISON, *_posterior_names(result.study)}
+        names = _posterior_names(result.study)
+        stale = {COMPARISON, *names}
         if others.compared is not None:
             write_text(add(COMPARISON), comparison_csv(others.compared))
-            left.remove(COMPARISON)
-        names = _posterior_names(result.study)
+            stale.remove(COMPARISON)
         each = zip(names, result.variants, examined, strict=True)
         for name, variant, diagnostics in each:
             if diagnostics.samples is not None:
                 sampled = to_inference_data(variant, diagnostics.samples)
                 with replacing(add(name)) as temporary:
                     sampled.to_netcdf(str(temporary))
-                left.remove(name)
-    # Of an earlier run with other options, which would not be that of this fit.
-    for name in left:
+                stale.remove(name)
+    # An earlier run with other options may have left them: they are of another fit.
+    for name in stale:
         new(name).unlink(missing_ok=True)
 
 
@@ -100,8 +100,8 @@ def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
     limit is known. `residual` is fitted less measured, `standardised` the same in units
     of its standard deviation. `model_low` and `model_high` include 95 % of the model's
     values for the parameters that the tests allow, `low` and `high` 95 % of such
-    measurements.
-    `left_out` is predicted by the fit to the other tests, with a standard deviation.
+    measurements. `left_out` is predicted by the fit to the other tests, with a standard
+    deviation.
     """
     study, rows = result.study, []
     for variant, diagnostics in zip(result.variants, examined, strict=True):

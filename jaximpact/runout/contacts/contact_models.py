@@ -14,6 +14,7 @@ from ...accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ...errors import InputError
 from ...impact.events import Outcome
 from ...impact_response import ImpactResponse, ImpactResponses, respond
+from ...io.checks import check_field
 from ...progress import SILENT, telling
 from ...quantities import own_columns
 from ...rebound import AbstractRebound, Rebound
@@ -102,16 +103,9 @@ def _check_values(law: AbstractRebound) -> None:
     """Raise InputError for a parameter that is out of its range."""
     for column in own_columns(type(law)):
         value = getattr(law, column.field)
-        if isinstance(value, Tracer):
-            continue
-        values = np.atleast_1d(np.asarray(value, float))
-        wrong = ~column.is_allowed(values / column.factor)
-        if np.any(wrong):
-            number = column.describe(values[wrong][0], column.si_unit)
-            raise InputError(
-                f"{type(law).__name__}.{column.field} must be {column.requirement}, "
-                f"but is {number}"
-            )
+        if not isinstance(value, Tracer):
+            name = f"{type(law).__name__}.{column.field}"
+            check_field(name, column, value, warn=False, of="block")
 
 
 @closed_form

@@ -410,10 +410,9 @@ def _recorded(
 ) -> tuple[ContactRecord, Pieces]:
     """Record a contact, and describe it as a piece of the trajectory: at constant
     acceleration, from the place and the velocities at touch along the plane, or at
-    constant velocity. The way
-    out of the ground is no part of it: in so short a time no block is so fast. It lasts
-    as long as the block travels, and less than the contact where other ground is in its
-    way."""
+    constant velocity. The way out of the ground is no part of it: in so short a time no
+    block is so fast. It lasts as long as the block travels, and less than the contact
+    where other ground is in its way."""
     body = block.body
     record = ContactRecord(
         0.0, block.time, block.segment, struck.slope, body.x, body.y,

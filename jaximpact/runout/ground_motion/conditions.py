@@ -157,8 +157,8 @@ def _is_slow(
     at_top = start - loss_with_height(riders) * climb
     over_top = is_arc & (n_x < friction * n_y) & (m_x > friction * m_y)
     length = ahead.stop_x - ahead.start_x + jnp.abs(ahead.stop_y - ahead.start_y)
-    # On less than that nothing is lost but rounding: a block that stands at the end of
-    # an element comes to the corner there.
+    # A block that stands at the end of an element loses nothing but rounding on what is
+    # left of it: it comes to the corner there.
     is_way = length > LEFT_BEHIND * riders.radius
     stands = (start <= 0.0) & (stop <= 0.0) & is_way
     slow = (start < at_start) | ((stop < at_stop) & is_way)

@@ -189,11 +189,7 @@ def _collectors_and_barriers(dataset: xr.Dataset) -> pd.DataFrame:
     rows = []
     collectors = dataset.collector.values if "collector" in dataset.sizes else ()
     for i, x in enumerate(collectors):
-        row = {
-            "kind": "collector",
-            "name": at_x(x),
-            "x_m": float(x),
-        }
+        row = {"kind": "collector", "name": at_x(x), "x_m": float(x)}
         row["blocks_passing"] = int(dataset.blocks_passing.values[i])
         for name, (variable, _, factor, _) in DESIGN_QUANTITIES.items():
             values = dataset[f"passage_{variable}_percentiles"].isel(collector=i)
