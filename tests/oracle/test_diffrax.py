@@ -61,12 +61,12 @@ class SlowFlow(AbstractFlow):
         return displacement_rates(rate, load, 0.0, branch=branch)
 
 
+PLANAR = Scene(LONG, Soil(), OBLIQUE)
 SCENES = {
     "vertical, a law of one's own": Scene(Block(), Soil(flow=SlowFlow()), Impact()),
     "dashpots": Scene(LONG, Soil(eta_N=0.2), OBLIQUE),
     "flat faces": Scene(Block(shape=RectangularPrism()), Soil(), OBLIQUE),
 }
-PLANAR = Scene(LONG, Soil(), OBLIQUE)
 
 
 def by_diffrax(scene):
@@ -175,26 +175,30 @@ def test_other_solvers_come_to_the_same_numbers():
 
 
 def results_of(scene, **how):
-    """Some results as a function of fluidity and speed."""
+    """Some results as a function of fluidity, speed and mass."""
 
     def results(parameters):
-        soil = dataclasses.replace(scene.soil, gamma_v=parameters[0])
-        impact = dataclasses.replace(scene.impact, speed=parameters[1])
-        result = simulate(scene.block, soil, impact, accuracy="reference", **how)
-        return jnp.stack([result.e_n, result.max_moment, result.duration])
+        gamma_v, speed, mass = parameters
+        block = dataclasses.replace(scene.block, mass=mass)
+        soil = dataclasses.replace(scene.soil, gamma_v=gamma_v)
+        impact = dataclasses.replace(scene.impact, speed=speed)
+        result = simulate(block, soil, impact, accuracy="reference", **how)
+        peaks = result.max_moment, result.time_of_max_penetration
+        return jnp.stack([result.e_n, result.duration, *peaks])
 
     return results
 
 
-AT = jnp.array([8.7, 14.0])
+AT = jnp.array([8.7, 14.0, 500.0])
 
 
 @pytest.mark.xla
 @pytest.mark.parametrize("scene", [PLANAR, SCENES["dashpots"]])
 def test_derivatives_are_those_of_the_machine_code(scene):
+    """By the mass too, on which the first step's width depends."""
     mine = results_of(scene)
     columns, along = jax.jacfwd(mine)(AT), jax.jvp(mine, (AT,), (AT,))[1]
-    back = jax.vjp(mine, AT)[1](jnp.ones(3))[0]
+    back = jax.vjp(mine, AT)[1](jnp.ones(4))[0]
     # linear in both modes, to rounding
     np.testing.assert_allclose(along, columns @ AT, rtol=1e-12)
     np.testing.assert_allclose(back, columns.sum(axis=0), rtol=1e-12)
