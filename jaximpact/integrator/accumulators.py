@@ -30,6 +30,10 @@ PROGRESS = 0.01
 """Width over time reached above which a step at the onset is progress."""
 ONSET = 1e-3
 """Duration of the onset, over the time in which the block moves by its size."""
+JUST_AFTER = 1e-4
+"""Time since a switch over the time reached, up to which a peak belongs to the switch.
+Slip relaxes in a microsecond, in which forces rise by less than the errors of steps;
+their derivatives, which change there from one to another, are not resolved."""
 
 
 class Fold(NamedTuple):
@@ -49,6 +53,8 @@ class Fold(NamedTuple):
     """1 where the next step takes another branch, on which the rates are others; else
     0. They are the same at the switch itself; but slip relaxes in a microsecond, so
     that its rate is off by much where the switch has been missed by little."""
+    switched: Scalar
+    """Time of the last switch [s]."""
     stalled: Scalar | None
     """Steps without progress at the onset, with dashpots; else None."""
 
@@ -81,6 +87,7 @@ def cut(fold: Fold, by: Callable = jax.lax.stop_gradient) -> Fold:
         ),
         rates=by(fold.rates),
         turned=by(fold.turned),
+        switched=by(fold.switched),
         stalled=by(fold.stalled),
     )
 
@@ -109,6 +116,7 @@ def start_fold(problem: Problem, vector) -> Fold:
         watched_rate=still,
         rates=jnp.zeros_like(vector),
         turned=zero,
+        switched=zero,
         stalled=zero if problem.model.damped else None,
     )
     return cut(fold)
@@ -121,6 +129,11 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
     watched, watched_rate = problem.watch_with_rate(
         step.y1, rates, fold.peaks.normal_force, branch
     )
+    sides = _stacked(branch), _stacked(branch_of(watched.switches))
+    is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
+    turns = (sides[0] != sides[1]) & is_on
+    turned = jnp.any(turns, axis=0)
+    since = _time_since_switch(watched, watched_rate, turns)
     peaks, times = [], []
     for name in Observed._fields:
         start, start_rate, end, end_rate = (
@@ -129,27 +142,37 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
         )
         start_rate = fold.rate_at_start(start, start_rate, end, end_rate, width)
         value, place = peak_of_cubic(start, start_rate, end, end_rate, width)
+        rate = end_rate
         if name in ("tangential_force", "moment"):
             lowest, lowest_place = peak_of_cubic(
                 -start, -start_rate, -end, -end_rate, width
             )
             place = jnp.where(lowest > value, lowest_place, place)
+            rate = jnp.where(lowest > value, -end_rate, end_rate)
             value = jnp.maximum(value, lowest)
-        before = getattr(fold.peaks, name)
+        late = jnp.where(place < 1.0, 0.0, since)
+        value = value - late * jax.lax.stop_gradient(rate)
+        when = time + place * width - late
+        before, before_when = getattr(fold.peaks, name), getattr(fold.peak_times, name)
+        # A peak just after a switch moves with it, unless it is at the next one.
+        moves_on = (
+            (when - fold.switched < JUST_AFTER * when)
+            & (before_when >= fold.switched)
+            & ((place < 1.0) | ~turned)
+        )
+        value, when = (
+            jnp.where(moves_on, jax.lax.stop_gradient(new) + only_derivative(old), new)
+            for new, old in ((value, before), (when, before_when))
+        )
         higher = value > before
         peaks.append(jnp.where(higher, value, before))
-        times.append(
-            jnp.where(higher, time + place * width, getattr(fold.peak_times, name))
-        )
+        times.append(jnp.where(higher, when, before_when))
     work = fold.work
     if problem.ledger is True:
         work = add_work(problem, work, step, 1.0, branch)
     elif problem.ledger == ARM:
         arm = _integral_of_arm_power(fold, watched, watched_rate, width)
         work = work._replace(arm=work.arm + arm)
-    sides = _stacked(branch), _stacked(branch_of(watched.switches))
-    is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
-    turned = jnp.any((sides[0] != sides[1]) & is_on, axis=0)
     fold = Fold(
         peaks=Observed(*peaks),
         peak_times=Observed(*times),
@@ -158,9 +181,28 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
         watched_rate=watched_rate,
         rates=rates,
         turned=jnp.where(turned, 1.0, 0.0),
+        switched=jnp.where(turned, time + width, fold.switched),
         stalled=_stalled_steps(problem, fold, time, width),
     )
     return cut(fold)
+
+
+def _time_since_switch(watched: Watched, watched_rate: Watched, turns) -> Scalar:
+    """Compute how long a step that ends on a switch has gone on beyond it: no time, but
+    with the derivative of that time, since the step does not end elsewhere where the
+    switch comes sooner. A peak that is reached as a law switches moves with it.
+
+    Args:
+        turns: True for each switch that the step has met.
+    """
+    values, rates = _stacked(watched.switches), _stacked(watched_rate.switches)
+    first = jnp.argmin(jnp.where(turns, jnp.abs(values), jnp.inf), axis=0)
+    value, rate = (
+        jnp.take_along_axis(x, first[None], axis=0)[0] for x in (values, rates)
+    )
+    rate = jax.lax.stop_gradient(rate)
+    moves = jnp.any(turns, axis=0) & (rate != 0.0)
+    return only_derivative(jnp.where(moves, value / jnp.where(moves, rate, 1.0), 0.0))
 
 
 def add_work(
@@ -206,6 +248,18 @@ def _stalled_steps(problem: Problem, fold: Fold, time, width) -> Scalar | None:
     return jnp.where(progresses, 0.0, fold.stalled + 1.0)
 
 
+@jax.custom_jvp
+def only_derivative(x: Scalar) -> Scalar:
+    """Return zero with the derivative of x; values cost nothing where no derivative is
+    asked for."""
+    return jnp.zeros_like(x)
+
+
+@only_derivative.defjvp
+def _only_derivative_jvp(primals, tangents):
+    return jnp.zeros_like(primals[0]), tangents[0]
+
+
 def hermite_cubic(start, start_rate, end, end_rate, width):
     """Compute the coefficients a, b, c of the cubic `start + a s + b s^2 + c s^3`, s
     from 0 to 1, through both ends' values and rates."""
@@ -239,8 +293,8 @@ def peak_of_cubic(start, start_rate, end, end_rate, width):
     derivative = a + s * (2.0 * b + 3.0 * c * s)
     bend = jax.lax.stop_gradient(2.0 * root)
     moves = usable & (s > 0.0) & (s < 1.0) & (bend > 0.0)
-    change = derivative - jax.lax.stop_gradient(derivative)
-    place = s + jnp.where(moves, change / jnp.where(moves, bend, 1.0), 0.0)
+    change = jnp.where(moves, derivative / jnp.where(moves, bend, 1.0), 0.0)
+    place = s + only_derivative(change)
     return jnp.where(inside > end, inside, end), jnp.where(inside > end, place, 1.0)
 
 
