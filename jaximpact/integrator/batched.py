@@ -16,7 +16,7 @@ from jaxtyping import Array, Bool, Float, Int
 from .._types import Scalar
 from ..impact.dynamics import initial_motion
 from ..impact.events import TIME_LIMIT, closing_velocity
-from ..impact.problem import Problem, pose
+from ..impact.problem import Problem, is_in_range, pose
 from ..impact.results import History, history_at
 from .accumulators import LastStep, add_work, no_step, start_fold
 from .event_location import LandingState, negligible_margin
@@ -36,7 +36,8 @@ class Lanes(NamedTuple):
     """End of the step that is tried next [s]."""
     control: LandingState
     event: Bool[Array, " lanes"]
-    """True where a margin has come to zero, or the block was separating."""
+    """True where a margin has come to zero, or nothing is to be integrated: the block
+    is separating, or a value is out of its range."""
     accepted: Int[Array, " lanes"]
     rejected: Int[Array, " lanes"]
 
@@ -66,13 +67,14 @@ def start_lanes(assembly, scenes, tolerance, floor, sampled: bool = False) -> La
             TERMS, start, TIME_LIMIT, state, none, problem, none, ORDER
         )
         still = jnp.zeros((), int)
+        separating = closing_velocity(problem.ground, initial_motion(scene)) <= 0.0
         return Lanes(
             problem,
             state,
             start,
             until,
             control,
-            closing_velocity(problem.ground, initial_motion(scene)) <= 0.0,
+            separating | ~is_in_range(scene),
             still,
             still,
         )
