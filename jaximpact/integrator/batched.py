@@ -21,7 +21,15 @@ from ..impact.results import History, history_at
 from .accumulators import LastStep, add_work, no_step, start_fold
 from .event_location import LandingState, negligible_margin
 from .rosenbrock import ORDER, per_width
-from .single import TERMS, End, SolverState, advance, end_of, step_size_controller
+from .single import (
+    LARGEST_CORRECTION,
+    TERMS,
+    End,
+    SolverState,
+    advance,
+    end_of,
+    step_size_controller,
+)
 
 LaneScalars = Float[Array, " lanes"]
 
@@ -145,7 +153,9 @@ def march_and_sample(lanes: Lanes, times: Float[Array, " times"]):
         lanes, samples = carry
         lanes = step_lanes(lanes)
         now = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)
-        due = (times <= lanes.time) & jnp.isnan(samples.time)
+        # After the end by no more than the time of the end is corrected
+        late = jnp.where(lanes.going, 0.0, LARGEST_CORRECTION * lanes.time)
+        due = (times <= lanes.time + late) & jnp.isnan(samples.time)
         return lanes, jax.tree.map(lambda x, y: jnp.where(due, x, y), now, samples)
 
     first = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)
