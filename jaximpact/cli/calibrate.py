@@ -237,6 +237,8 @@ def run_predict(arguments: argparse.Namespace) -> None:
             manifests=[manifest_path(out)],
         )
     with files:
+        if out is not None:
+            options.check_ending("--out", out, ".csv")
         with ProgressLines() as progress:
             prediction = predict(arguments.result, arguments.tests, progress=progress)
         if out is not None:
