@@ -60,6 +60,12 @@ class InputColumn:
         has_unit = self.unit != "-" and self.range_text != "finite"
         return f"{self.range_text} {self.unit}" if has_unit else self.range_text
 
+    def requirement_of(self, number: float) -> str:
+        """What a number that is not allowed does not meet, to follow "must be": that it
+        is finite too, which a range without an upper end does not say."""
+        unsaid = not math.isfinite(number) and self.range_text != "finite"
+        return f"finite and {self.requirement}" if unsaid else self.requirement
+
     @property
     def si_unit(self) -> str:
         """Unit of the field."""
