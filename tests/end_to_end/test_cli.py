@@ -54,7 +54,7 @@ def test_help_explains_every_command_option_and_column(capsys):
         (["batch"], ["--out", "--timing", "--accuracy", *INPUT_COLUMNS]),
         (["batch"], [*RESULT_COLUMNS, "outcome"]),
         (["simulate"], ["--json", "--plot", "--accuracy", *INPUT_COLUMNS]),
-        (["calibrate"], ["--out", "STUDY"]),
+        (["calibrate"], ["--out", "STUDY", "expression", "group_sd"]),
     ):
         with pytest.raises(SystemExit) as exit_:
             main([*command, "--help"])
