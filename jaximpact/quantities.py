@@ -9,10 +9,12 @@ import dataclasses
 import functools
 import math
 from collections.abc import Iterable
+from typing import Any
 
 import jax
 import numpy as np
 
+from ._jax_internals import namespace_of
 from .errors import InputError, did_you_mean
 from .finding import shipped
 from .identity import clear_when_edited
@@ -58,6 +60,12 @@ class InputColumn:
         has_unit = self.unit != "-" and self.range_text != "finite"
         return f"{self.range_text} {self.unit}" if has_unit else self.range_text
 
+    def requirement_of(self, number: float) -> str:
+        """What a number that is not allowed does not meet, to follow "must be": that it
+        is finite too, which a range without an upper end does not say."""
+        unsaid = not math.isfinite(number) and self.range_text != "finite"
+        return f"finite and {self.requirement}" if unsaid else self.requirement
+
     @property
     def si_unit(self) -> str:
         """Unit of the field."""
@@ -96,13 +104,15 @@ class InputColumn:
         low, high = self.usual
         return (values < low) | (values > high)
 
-    def is_allowed(self, values) -> np.ndarray:
-        """Tell which values, in the column's unit, are finite and in range."""
-        values = np.asarray(values, float)
+    def is_allowed(self, values) -> Any:
+        """Tell which values, in the column's unit, are finite and in range, by NumPy or
+        `jax.numpy`."""
+        xp = namespace_of(values)
+        values = xp.asarray(values, float)
         above = values >= self.lower if self.lower_allowed else values > self.lower
         below = values <= self.upper if self.upper_allowed else values < self.upper
         with np.errstate(over="ignore"):
-            finite = np.isfinite(values) & np.isfinite(values * self.factor)
+            finite = xp.isfinite(values) & xp.isfinite(values * self.factor)
         return finite & above & below
 
 

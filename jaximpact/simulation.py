@@ -61,6 +61,9 @@ def simulate(
     Returns:
         `ImpactResult`, every number with its unit in `help(ImpactResult)`. A scene
         whose integration fails gives NaN and the outcome `failed`; nothing is raised.
+        So does, inside of `jit`, `vmap` and `grad`, where values are not known, one
+        with a value out of its range. The impact angle alone may go to 180 degrees
+        there: a block that turns can strike while its centre rises.
 
     Differentiable in forward and reverse mode with respect to every field of block,
     soil and impact, through the event that ends the impact. The derivative is that of

@@ -307,7 +307,7 @@ def _numbers(place: str, column: InputColumn, entries: ArrayLike) -> np.ndarray:
     if np.any(bad):
         value = values[bad][0]
         raise InputError(
-            f"{place} must be {column.requirement}, but holds {value:g}"
+            f"{place} must be {column.requirement_of(value)}, but holds {value:g}"
             f"{column.hint(value, column.unit)}"
         )
     return values

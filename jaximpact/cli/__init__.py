@@ -8,12 +8,18 @@ import argparse
 import contextlib
 import io
 import os
+import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
 
 from .._packages import needed, version_of
-from ..errors import IncompleteError, InputError, UnusualValueWarning
+from ..errors import (
+    IncompleteError,
+    InputError,
+    UnusualValueWarning,
+    did_you_mean,
+)
 from ..finding import describe_error, users_line
 from ..interruption import is_interrupt
 from ..progress_lines import forget, say
@@ -38,6 +44,22 @@ class Parser(argparse.ArgumentParser):
             text = getattr(self, name)
             setattr(self, name, text() if callable(text) else text)
         return super().format_help()
+
+    def parse_known_args(self, args=None, namespace=None):
+        # argparse tells first what is missing, which a misspelt option was to give.
+        words = sys.argv[1:] if args is None else args
+        commands, known = self._subparsers, self._option_string_actions
+        for word in words:
+            option = word.partition("=")[0]
+            if word == "--" or (commands and not option.startswith("-")):
+                break
+            if re.match("--?[a-zA-Z]", option) and option not in known:
+                long = [name for name in known if name.startswith("--")]
+                raise InputError(
+                    f"{option} is no option of {self.prog}; "
+                    f"{did_you_mean(option, long)}"
+                )
+        return super().parse_known_args(args, namespace)
 
     def error(self, message):
         raise InputError(f"{message}; see {self.prog} --help")

@@ -35,7 +35,9 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         c_v = { start = 1.0, lower = 0.01, upper = 10.0 }
                         with prior = { mean = 1.0, sd = 0.5 } if there is one
                         (default: c_v, gamma_v and k_E); parameters of laws of your
-                        own are fitted likewise
+                        own are fitted likewise. One may be tied to others,
+                        k_E = { expression = "600 * c_v" }, or differ from group to
+                        group, c_v = { by = "campaign", group_sd = 0.3 }
   [nuisance.slope_deg]  a column that was not measured, or not well: fitted for each
                         group, and added to the column where the tables hold it;
                         by = "campaign" (or another column of text, or "row"),
@@ -237,6 +239,8 @@ def run_predict(arguments: argparse.Namespace) -> None:
             manifests=[manifest_path(out)],
         )
     with files:
+        if out is not None:
+            options.check_ending("--out", out, ".csv")
         with ProgressLines() as progress:
             prediction = predict(arguments.result, arguments.tests, progress=progress)
         if out is not None:

@@ -223,6 +223,7 @@ def run_batch(arguments: argparse.Namespace) -> None:
         journals=[journal],
     )
     with files, resumable():
+        options.check_ending("--out", out, ".csv", ".parquet")
         accuracy = arguments.accuracy
         if base is not None:
             base, of_file = read_scene(base)

@@ -50,6 +50,13 @@ def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:
     )
 
 
+def check_ending(option: str, path: Path, *endings: str) -> None:
+    """Raise InputError unless the name of a file to be written has one of the
+    endings."""
+    if path.suffix.lower() not in endings:
+        raise InputError(f"{option} must end in {' or '.join(endings)}, but is {path}")
+
+
 def add_directory(
     parser: argparse.ArgumentParser,
     holds: str,

@@ -4,6 +4,7 @@ The unknowns are one vector, named by the model: fields of `Motion`, and with da
 those of `Forces`.
 """
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from jaxtyping import Array, Float
 from .._types import Flag, Scalar, Structure
 from ..accuracy import MAX_STEPS, MAX_STEPS_DAMPED
 from ..laws import Branch, Stiffness
+from ..quantities import columns_of
 from ..scene import Scene
 from ..shapes import Foundation
 from .dynamics import (
@@ -354,6 +356,33 @@ def pose(
         ledger=assembly.ledger,
     )
     return problem, jnp.stack([start[name] for name in unknowns])
+
+
+LARGEST_ANGLE = 180.0
+"""Impact angle up to which there are contacts [deg]. Beyond the declared range, of less
+than 90, the centre of a block that turns rises as the block strikes. Run-outs have such
+impacts."""
+
+
+def is_in_range(scene: Scene) -> Flag:
+    """Tell whether all values of a scene are in the ranges that are declared of them.
+
+    Where values are known `check_scene` has refused others. Those that JAX traces are
+    seen here alone.
+    """
+    allowed = jnp.ones((), bool)
+    for column in columns_of(scene).values():
+        if (column.part, column.field) == ("impact", "angle"):
+            column = dataclasses.replace(
+                column,
+                lower=-LARGEST_ANGLE,
+                upper=LARGEST_ANGLE,
+                lower_allowed=True,
+                upper_allowed=True,
+            )
+        value = getattr(getattr(scene, column.part), column.field)
+        allowed = allowed & column.is_allowed(value / column.factor)
+    return allowed
 
 
 def jacobian_pattern(problem: Problem) -> tuple[tuple[bool, ...], ...]:

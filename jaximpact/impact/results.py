@@ -65,6 +65,7 @@ class History(NamedTuple):
 
     At other times than those in contact there are no forces: they are 0 before the
     contact, and after a block has detached; all else is NaN, as nothing is known of it.
+    A time later than the duration by no more than a millionth of it is in contact.
 
     Energies in J: `kinetic + elastic + viscoplastic + slider + dashpot` equals the
     kinetic energy at the start plus `gravity + arm + stiffness`. From `gravity` on they

@@ -16,12 +16,20 @@ from jaxtyping import Array, Bool, Float, Int
 from .._types import Scalar
 from ..impact.dynamics import initial_motion
 from ..impact.events import TIME_LIMIT, closing_velocity
-from ..impact.problem import Problem, pose
+from ..impact.problem import Problem, is_in_range, pose
 from ..impact.results import History, history_at
 from .accumulators import LastStep, add_work, no_step, start_fold
 from .event_location import LandingState, negligible_margin
 from .rosenbrock import ORDER, per_width
-from .single import TERMS, End, SolverState, advance, end_of, step_size_controller
+from .single import (
+    LARGEST_CORRECTION,
+    TERMS,
+    End,
+    SolverState,
+    advance,
+    end_of,
+    step_size_controller,
+)
 
 LaneScalars = Float[Array, " lanes"]
 
@@ -36,7 +44,8 @@ class Lanes(NamedTuple):
     """End of the step that is tried next [s]."""
     control: LandingState
     event: Bool[Array, " lanes"]
-    """True where a margin has come to zero, or the block was separating."""
+    """True where a margin has come to zero, or nothing is to be integrated: the block
+    is separating, or a value is out of its range."""
     accepted: Int[Array, " lanes"]
     rejected: Int[Array, " lanes"]
 
@@ -66,13 +75,14 @@ def start_lanes(assembly, scenes, tolerance, floor, sampled: bool = False) -> La
             TERMS, start, TIME_LIMIT, state, none, problem, none, ORDER
         )
         still = jnp.zeros((), int)
+        separating = closing_velocity(problem.ground, initial_motion(scene)) <= 0.0
         return Lanes(
             problem,
             state,
             start,
             until,
             control,
-            closing_velocity(problem.ground, initial_motion(scene)) <= 0.0,
+            separating | ~is_in_range(scene),
             still,
             still,
         )
@@ -143,7 +153,9 @@ def march_and_sample(lanes: Lanes, times: Float[Array, " times"]):
         lanes, samples = carry
         lanes = step_lanes(lanes)
         now = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)
-        due = (times <= lanes.time) & jnp.isnan(samples.time)
+        # After the end by no more than the time of the end is corrected
+        late = jnp.where(lanes.going, 0.0, LARGEST_CORRECTION * lanes.time)
+        due = (times <= lanes.time + late) & jnp.isnan(samples.time)
         return lanes, jax.tree.map(lambda x, y: jnp.where(due, x, y), now, samples)
 
     first = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)

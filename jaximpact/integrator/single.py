@@ -30,7 +30,8 @@ from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
 
 LARGEST_CORRECTION = 1e-6
 """Largest correction of the event's time, as a fraction of the duration; where a step
-has landed the correction is some 1e-10."""
+has landed the correction is some 1e-10. Histories take times that are later than the
+end by no more for the end (AT_THE_END in driver.c)."""
 
 
 class SolverState(NamedTuple):

@@ -16,7 +16,7 @@ from ..impact.dynamics import (
     kinetic_energy,
 )
 from ..impact.events import OUTCOME_OF_MARGIN, Outcome, closing_velocity
-from ..impact.problem import Problem, stiffness_of_block
+from ..impact.problem import Problem, is_in_range, stiffness_of_block
 from ..impact.results import UNDEFINED, EnergyLedger, ImpactSummary, arm_alone
 from ..restitution import defined_ratio, vijayakumar_coefficient
 from ..scene import GRAVITY, Scene
@@ -187,7 +187,8 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
         steps=jnp.zeros(()),
     )
     sound = _is_possible(problem, start, final, end) & _closes(problem, energy)
-    return _named(end, now.forces.normal, separating, sound, summary)
+    known = is_in_range(scene) & (separating | (end.finished & sound))
+    return _named(end, now.forces.normal, separating, known, summary)
 
 
 def _tangential_ratio(
@@ -224,16 +225,15 @@ def _nothing_if(separating: Scalar, values: dict[str, Scalar]) -> dict[str, Scal
 
 
 def _named(
-    end: End, normal_force, separating, sound, summary: ImpactSummary
+    end: End, normal_force, separating, known, summary: ImpactSummary
 ) -> ImpactSummary:
-    """Complete the summary with its outcome and steps; NaN where the integration
-    failed, or what it gives is not sound."""
-    known = separating | (end.finished & sound)
+    """Complete the summary with its outcome and steps; NaN where it is not known: the
+    integration failed, what it gives is not sound, or a value is out of its range."""
     summary = jax.tree.map(lambda x: jnp.where(known, x, jnp.nan), summary)
     return dataclasses.replace(
         summary,
         outcome_code=outcome_code(
-            end._replace(finished=known), normal_force, separating
+            end._replace(finished=known), normal_force, separating & known
         ),
         steps=jax.lax.stop_gradient((end.steps + end.rejected).astype(float)),
     )

@@ -197,9 +197,8 @@ def check_field(
 
     if not np.all(column.is_allowed(ends)):
         bad = ~column.is_allowed(values / column.factor)
-        raise InputError(
-            f"{name} must be {column.requirement}, but is {describe_first(bad)}"
-        )
+        needed = column.requirement_of(np.ravel(values)[np.argmax(bad)])
+        raise InputError(f"{name} must be {needed}, but is {describe_first(bad)}")
     if warn and np.any(column.is_unusual(ends)):
         text = f"{name} is {describe_first(column.is_unusual(values / column.factor))}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)

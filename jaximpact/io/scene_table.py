@@ -396,8 +396,9 @@ def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> st
         hint = "; write decimals with a point" if "," in cell else ""
         return f"must be a number, but is {cell!r}{hint}"
     if column is not None:
-        hint = column.hint(float(cell), column.unit)
-        return f"must be {column.requirement}, but is {cell.strip()}{hint}"
+        number = float(cell)
+        needed, hint = column.requirement_of(number), column.hint(number, column.unit)
+        return f"must be {needed}, but is {cell.strip()}{hint}"
     if float(cell) in NO_DATA:
         return f"is {cell.strip()}, a mark for no data; leave the cell empty"
     if 0.0 < abs(float(cell)) < np.inf and not (

@@ -54,7 +54,7 @@ def test_help_explains_every_command_option_and_column(capsys):
         (["batch"], ["--out", "--timing", "--accuracy", *INPUT_COLUMNS]),
         (["batch"], [*RESULT_COLUMNS, "outcome"]),
         (["simulate"], ["--json", "--plot", "--accuracy", *INPUT_COLUMNS]),
-        (["calibrate"], ["--out", "STUDY"]),
+        (["calibrate"], ["--out", "STUDY", "expression", "group_sd"]),
     ):
         with pytest.raises(SystemExit) as exit_:
             main([*command, "--help"])
@@ -83,6 +83,13 @@ def test_the_module_runs_as_a_program():
         (["batch", "--out", "o.csv"], "scenes.csv"),
         (["batch", "scenes.csv", "--out", "o.csv", "--accuracy", "fats"], "'fats'"),
         (["batch", "scenes.csv", "--out", "o.csv", "--time"], "--time"),
+        (
+            ["batch", "scenes.csv", "--oot", "o.csv"],
+            "--oot is no option of jaximpact batch; did you mean --out?",
+        ),
+        (["--versio"], "--versio is no option of jaximpact; did you mean --version?"),
+        (["batch", "scenes.csv", "--out", "o.xlsx"], "must end in .csv or .parquet"),
+        (["batch", "scenes.csv", "--out", "o"], "must end in .csv or .parquet"),
         (["batch", "scenes.csv", "--out", "none/o.csv"], "existing directory"),
         (["batch", "scenes.csv", "--out", "."], "must be a file"),
         (["batch", "scenes.csv", "--out", os.devnull], "must be a file"),

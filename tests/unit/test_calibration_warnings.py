@@ -80,6 +80,24 @@ def test_angles_in_radians_parts_in_per_cent_and_depths_in_millimetres():
     assert not doubtful_units(study({"speed_mps": [5.0], "e_n": [0.2]}))
 
 
+def test_times_in_milliseconds_and_forces_in_kilonewtons():
+    times, forces = np.array([2.0, 8.0, 20.0]), np.array([5e3, 6e4, 4e4])
+
+    def of_curve(time, force):
+        return doubtful_units(study({"time_s": time, "normal_force_N": force}))
+
+    assert of_curve(1e-3 * times, forces) == []
+    (words,) = of_curve(times, forces)
+    assert "times in time_s are above 8, " in words
+    assert "milliseconds?" in words
+    # A block of 100 kg weighs 981 N.
+    (words,) = of_curve(1e-3 * times, 1e-3 * forces)
+    assert "normal_force_N is above 0.0612 times the weight" in words
+    assert "kilonewtons?" in words
+    (words,) = doubtful_units(study({"angle_deg": [9.0], "max_normal_force_N": [60]}))
+    assert "max_normal_force_N is above 0.0612 times" in words
+
+
 def test_a_good_fit_has_nothing_against_it(e_n):
     found, result = doubts(columns(e_n), parameters={"k_E": {}})
     assert found == []

@@ -126,6 +126,29 @@ def test_outside_of_the_contact_there_is_no_force(steps):
     assert h.time[3] == 0.5 * end
 
 
+def test_a_time_that_is_the_duration_to_rounding_is_the_end():
+    """The duration is the time of the last step with a correction, of either sign."""
+    speed = np.linspace(3.0, 20.0, 50)
+
+    impact = dataclasses.replace(PLANAR.impact, speed=speed)
+
+    def at(times):
+        scene = Scene(PLANAR.block, PLANAR.soil, impact)
+        return simulate(scene, save_at=times, ledger=True)
+
+    end = np.asarray(at([0.0]).duration)[:, None]
+    result = at(end * (1.0 + np.array([-4.0, 0.0, 4.0, 1e10]) * 2.0**-52))
+    history = result.history
+    assert history.in_contact[:, :3].all()
+    assert not history.in_contact[:, 3].any()
+    for name in ("rotation", "normal_velocity", "angular_velocity"):
+        for place in range(3):
+            series = getattr(history, name)[:, place]
+            np.testing.assert_allclose(series, getattr(result, name), rtol=1e-6)
+    for name in ("kinetic", "viscoplastic", "arm"):
+        assert np.isfinite(getattr(history, name)[:, :3]).all()
+
+
 @pytest.mark.slow
 def test_forces_after_other_ends():
     """A block that topples goes on pressing, and how is not known; one that separates
@@ -284,3 +307,7 @@ def test_xla_samples_the_same(monkeypatch):
     native = found()
     monkeypatch.setattr(kernel_choice, "computes_on_cpu", lambda: False)
     np.testing.assert_allclose(found(), native, rtol=0.0, atol=1e-6)
+    end = simulate(VERTICAL, accuracy="fast").duration
+    times = np.full_like(TIMES, float(end) * (1.0 + 1e-12))
+    at_end = simulate(VERTICAL, save_at=times, accuracy="fast")
+    assert at_end.history.in_contact.all()

@@ -1,6 +1,7 @@
 """The plot of one impact: every kind of outcome gives a figure, and files are whole."""
 
 import io
+from types import SimpleNamespace
 
 import equinox as eqx
 import jax
@@ -11,6 +12,7 @@ from matplotlib import pyplot
 from PIL import Image
 
 from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact.calibration.report.drawings import draw_residuals
 from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline
 from jaximpact.plotting.style import COLOURS, plotted, png_bytes
@@ -204,3 +206,14 @@ def test_a_drawing_that_fails_leaves_no_figure():
     with pytest.raises(ValueError):  # noqa: PT011
         plotted(fails)
     assert not pyplot.get_fignums()
+
+
+def test_residuals_of_a_target_that_is_predicted_to_be_zero_are_drawn():
+    """As forces are at times after every contact; NumPy has nothing to warn of."""
+    result = SimpleNamespace(study=SimpleNamespace(targets=("e_n", "normal_force_N")))
+    variant = SimpleNamespace(predicted=np.array([[0.2, 0.0], [0.4, 0.0]]))
+    residuals = SimpleNamespace(values=np.array([[1.0, -1.0], [np.nan, -2.0]]))
+    (axes,) = draw_residuals(result, variant, residuals, "prediction").axes
+    drawn = {line.get_label(): list(line.get_xdata()) for line in axes.lines}
+    assert drawn["e_n"] == [1.0, 2.0]
+    assert drawn["normal_force_N"] == [0.0, 0.0]

@@ -18,6 +18,9 @@
 #define PROGRAMS 32
 #define RETRIES 7
 #define ALIGNMENT 64
+/* A time after the end of a contact, by up to this part of it, is the end: the duration is
+ * that of the last step with a correction, LARGEST_CORRECTION in single.py. */
+#define AT_THE_END 1e-6
 #define FOR_EVER 0xFFFFFFFF /* milliseconds, on Windows */
 
 typedef uint8_t Mask; /* a bit a column */
@@ -239,8 +242,9 @@ static int begins_again(const Program *program, Columns *columns, int column)
     return 1;
 }
 
-/* Takes samples at all times asked for that lanes have passed. */
-static void sample(const Program *program, Columns *columns, Job *job, Mask full)
+/* Takes samples at all times asked for that lanes have passed, of which some have come to
+ * their end. */
+static void sample(const Program *program, Columns *columns, Job *job, Mask full, Mask ends)
 {
     double *time = columns->work + PACK * program->time;
     double *asked = columns->work + PACK * program->asked;
@@ -250,7 +254,8 @@ static void sample(const Program *program, Columns *columns, Job *job, Mask full
             if (!(full >> column & 1))
                 continue;
             asked[column] = next_time(job, program, columns, column);
-            if (asked[column] <= time[column])
+            double reached = time[column] * (ends >> column & 1 ? 1.0 + AT_THE_END : 1.0);
+            if (asked[column] <= reached)
                 due |= 1 << column;
         }
         if (!due)
@@ -291,7 +296,7 @@ static void go_on(Job *job, int64_t place, Columns *columns)
         do {
             ends = full & ~program->step(columns->work, full, directions);
             if (program->sample)
-                sample(program, columns, job, full);
+                sample(program, columns, job, full, ends);
         } while (!ends);
         program->finish(columns->work, ends, directions);
         again = 0;

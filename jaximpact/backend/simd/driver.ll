@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 464bcaf6902c622a775b4331e81afa427338abde12b9eca7dcf27d1d1b337b14
+; Made from driver.c by 'make driver'; sha256 8f944c4b3ba1f58d547920832acb1e2dee7cd7a8c8de72ac451c694e7583f9e5
 
 %struct.Operation = type { i64, [32 x %struct.Program], [32 x i64], ptr, ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
@@ -1205,7 +1205,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 21:
   %22 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
   store i32 1, ptr %22, align 8
-  br label %564
+  br label %569
 
 23:
   %24 = tail call i64 @enter_float_mode()
@@ -1240,10 +1240,10 @@ define internal ptr @work(ptr nocapture noundef %0) {
   tail call void @leave_float_mode(i64 noundef %24)
   tail call void @free(ptr noundef %11)
   call void @llvm.lifetime.end.p0(i64 328, ptr nonnull %2)
-  br label %564
+  br label %569
 
 46:
-  %47 = phi i64 [ 0, %32 ], [ %561, %560 ]
+  %47 = phi i64 [ 0, %32 ], [ %566, %565 ]
   %48 = load ptr, ptr %0, align 8
   %49 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47
   %50 = load i64, ptr %33, align 8
@@ -1266,7 +1266,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br label %67
 
 67:
-  %68 = phi i8 [ 0, %46 ], [ %559, %558 ]
+  %68 = phi i8 [ 0, %46 ], [ %564, %563 ]
   br label %71
 
 69:
@@ -1483,7 +1483,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 
 230:
   %231 = icmp eq i8 %224, 0
-  br i1 %231, label %558, label %232
+  br i1 %231, label %563, label %232
 
 232:
   %233 = zext i8 %224 to i32
@@ -1496,7 +1496,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %238 = and i8 %224, %237
   %239 = load ptr, ptr %55, align 8
   %240 = icmp eq ptr %239, null
-  br i1 %240, label %424, label %241
+  br i1 %240, label %429, label %241
 
 241:
   %242 = load i64, ptr %56, align 8
@@ -1505,433 +1505,436 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %245 = load i64, ptr %57, align 8
   %246 = shl nsw i64 %245, 3
   %247 = getelementptr inbounds double, ptr %28, i64 %246
-  br label %250
+  %248 = zext i8 %238 to i32
+  br label %251
 
-248:
-  %249 = icmp eq i8 %319, 0
-  br i1 %249, label %424, label %325
+249:
+  %250 = icmp eq i8 %324, 0
+  br i1 %250, label %429, label %330
 
-250:
-  %251 = phi i64 [ 0, %241 ], [ %323, %322 ]
-  %252 = phi i8 [ 0, %241 ], [ %324, %322 ]
-  %253 = trunc i64 %251 to i32
-  %254 = shl nuw i32 1, %253
-  %255 = and i32 %254, %233
-  %256 = icmp eq i32 %255, 0
-  br i1 %256, label %318, label %257
+251:
+  %252 = phi i64 [ 0, %241 ], [ %328, %327 ]
+  %253 = phi i8 [ 0, %241 ], [ %329, %327 ]
+  %254 = trunc i64 %252 to i32
+  %255 = shl nuw i32 1, %254
+  %256 = and i32 %255, %233
+  %257 = icmp eq i32 %256, 0
+  br i1 %257, label %323, label %258
 
-257:
-  %258 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %251
-  %259 = load i64, ptr %258, align 8
-  %260 = load ptr, ptr %41, align 8
-  %261 = icmp eq ptr %260, null
-  br i1 %261, label %274, label %262
+258:
+  %259 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %252
+  %260 = load i64, ptr %259, align 8
+  %261 = load ptr, ptr %41, align 8
+  %262 = icmp eq ptr %261, null
+  br i1 %262, label %275, label %263
 
-262:
-  %263 = icmp eq i64 %259, 0
-  br i1 %263, label %309, label %264
+263:
+  %264 = icmp eq i64 %260, 0
+  br i1 %264, label %310, label %265
 
-264:
-  %265 = load i64, ptr %56, align 8
-  %266 = shl nsw i64 %265, 3
-  %267 = add nsw i64 %266, %251
-  %268 = getelementptr inbounds double, ptr %28, i64 %267
-  %269 = load double, ptr %268, align 8
-  %270 = getelementptr inbounds %struct.Course, ptr %260, i64 0, i32 3
-  %271 = load double, ptr %270, align 8
-  %272 = fcmp ogt double %269, %271
-  %273 = select i1 %272, double %269, double 0x7FF0000000000000
-  br label %309
+265:
+  %266 = load i64, ptr %56, align 8
+  %267 = shl nsw i64 %266, 3
+  %268 = add nsw i64 %267, %252
+  %269 = getelementptr inbounds double, ptr %28, i64 %268
+  %270 = load double, ptr %269, align 8
+  %271 = getelementptr inbounds %struct.Course, ptr %261, i64 0, i32 3
+  %272 = load double, ptr %271, align 8
+  %273 = fcmp ogt double %270, %272
+  %274 = select i1 %273, double %270, double 0x7FF0000000000000
+  br label %310
 
-274:
-  %275 = load i64, ptr %42, align 8
-  %276 = icmp eq i64 %259, %275
-  br i1 %276, label %309, label %277
+275:
+  %276 = load i64, ptr %42, align 8
+  %277 = icmp eq i64 %260, %276
+  br i1 %277, label %310, label %278
 
-277:
-  %278 = load ptr, ptr %43, align 8
-  %279 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %251
-  %280 = load i64, ptr %279, align 8
-  %281 = load i64, ptr %39, align 8
-  %282 = icmp eq i64 %281, 1
-  %283 = load ptr, ptr %278, align 8
-  br i1 %282, label %284, label %289
+278:
+  %279 = load ptr, ptr %43, align 8
+  %280 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %252
+  %281 = load i64, ptr %280, align 8
+  %282 = load i64, ptr %39, align 8
+  %283 = icmp eq i64 %282, 1
+  %284 = load ptr, ptr %279, align 8
+  br i1 %283, label %285, label %290
 
-284:
-  %285 = getelementptr inbounds %struct.Operand, ptr %278, i64 0, i32 1
-  %286 = load i64, ptr %285, align 8
-  %287 = mul nsw i64 %286, %280
-  %288 = getelementptr inbounds double, ptr %283, i64 %287
-  br label %305
+285:
+  %286 = getelementptr inbounds %struct.Operand, ptr %279, i64 0, i32 1
+  %287 = load i64, ptr %286, align 8
+  %288 = mul nsw i64 %287, %281
+  %289 = getelementptr inbounds double, ptr %284, i64 %288
+  br label %306
 
-289:
-  %290 = icmp sgt i64 %281, 0
-  br i1 %290, label %291, label %305
+290:
+  %291 = icmp sgt i64 %282, 0
+  br i1 %291, label %292, label %306
 
-291:
-  %292 = phi i64 [ %295, %291 ], [ %281, %289 ]
-  %293 = phi ptr [ %302, %291 ], [ %283, %289 ]
-  %294 = phi i64 [ %303, %291 ], [ %280, %289 ]
-  %295 = add nsw i64 %292, -1
-  %296 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %295
-  %297 = load i64, ptr %296, align 8
-  %298 = srem i64 %294, %297
-  %299 = getelementptr inbounds %struct.Operand, ptr %278, i64 0, i32 1, i64 %295
-  %300 = load i64, ptr %299, align 8
-  %301 = mul nsw i64 %300, %298
-  %302 = getelementptr inbounds double, ptr %293, i64 %301
-  %303 = sdiv i64 %294, %297
-  %304 = icmp sgt i64 %292, 1
-  br i1 %304, label %291, label %305
+292:
+  %293 = phi i64 [ %296, %292 ], [ %282, %290 ]
+  %294 = phi ptr [ %303, %292 ], [ %284, %290 ]
+  %295 = phi i64 [ %304, %292 ], [ %281, %290 ]
+  %296 = add nsw i64 %293, -1
+  %297 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %296
+  %298 = load i64, ptr %297, align 8
+  %299 = srem i64 %295, %298
+  %300 = getelementptr inbounds %struct.Operand, ptr %279, i64 0, i32 1, i64 %296
+  %301 = load i64, ptr %300, align 8
+  %302 = mul nsw i64 %301, %299
+  %303 = getelementptr inbounds double, ptr %294, i64 %302
+  %304 = sdiv i64 %295, %298
+  %305 = icmp sgt i64 %293, 1
+  br i1 %305, label %292, label %306
 
-305:
-  %306 = phi ptr [ %288, %284 ], [ %283, %289 ], [ %302, %291 ]
-  %307 = getelementptr inbounds double, ptr %306, i64 %259
-  %308 = load double, ptr %307, align 8
-  br label %309
+306:
+  %307 = phi ptr [ %289, %285 ], [ %284, %290 ], [ %303, %292 ]
+  %308 = getelementptr inbounds double, ptr %307, i64 %260
+  %309 = load double, ptr %308, align 8
+  br label %310
 
-309:
-  %310 = phi double [ %308, %305 ], [ %273, %264 ], [ 0.000000e+00, %262 ], [ 0x7FF0000000000000, %274 ]
-  %311 = getelementptr inbounds double, ptr %247, i64 %251
-  store double %310, ptr %311, align 8
-  %312 = getelementptr inbounds double, ptr %244, i64 %251
-  %313 = load double, ptr %312, align 8
-  %314 = fcmp ugt double %310, %313
-  br i1 %314, label %318, label %315
+310:
+  %311 = phi double [ %309, %306 ], [ %274, %265 ], [ 0.000000e+00, %263 ], [ 0x7FF0000000000000, %275 ]
+  %312 = getelementptr inbounds double, ptr %247, i64 %252
+  store double %311, ptr %312, align 8
+  %313 = getelementptr inbounds double, ptr %244, i64 %252
+  %314 = load double, ptr %313, align 8
+  %315 = and i32 %255, %248
+  %316 = icmp eq i32 %315, 0
+  %317 = select i1 %316, double 1.000000e+00, double 0x3FF000010C6F7A0B
+  %318 = fmul double %317, %314
+  %319 = fcmp ugt double %311, %318
+  %320 = trunc i32 %255 to i8
+  %321 = select i1 %319, i8 0, i8 %320
+  %322 = or i8 %321, %253
+  br label %323
 
-315:
-  %316 = trunc i32 %254 to i8
-  %317 = or i8 %252, %316
-  br label %318
+323:
+  %324 = phi i8 [ %322, %310 ], [ %253, %251 ]
+  %325 = add nuw nsw i64 %252, 1
+  %326 = icmp eq i64 %325, 8
+  br i1 %326, label %249, label %327
 
-318:
-  %319 = phi i8 [ %317, %315 ], [ %252, %309 ], [ %252, %250 ]
-  %320 = add nuw nsw i64 %251, 1
-  %321 = icmp eq i64 %320, 8
-  br i1 %321, label %248, label %322
-
-322:
-  %323 = phi i64 [ %320, %318 ], [ 0, %421 ]
-  %324 = phi i8 [ %319, %318 ], [ 0, %421 ]
-  br label %250
-
-325:
-  %326 = load ptr, ptr %55, align 8
-  %327 = load i64, ptr %33, align 8
-  %328 = tail call zeroext i8 %326(ptr noundef %28, i8 noundef zeroext %319, i64 noundef %327)
-  %329 = zext i8 %319 to i32
-  br label %330
+327:
+  %328 = phi i64 [ %325, %323 ], [ 0, %426 ]
+  %329 = phi i8 [ %324, %323 ], [ 0, %426 ]
+  br label %251
 
 330:
-  %331 = phi i64 [ 0, %325 ], [ %422, %421 ]
-  %332 = trunc i64 %331 to i32
-  %333 = shl nuw i32 1, %332
-  %334 = and i32 %333, %329
-  %335 = icmp eq i32 %334, 0
-  br i1 %335, label %421, label %336
+  %331 = load ptr, ptr %55, align 8
+  %332 = load i64, ptr %33, align 8
+  %333 = tail call zeroext i8 %331(ptr noundef %28, i8 noundef zeroext %324, i64 noundef %332)
+  %334 = zext i8 %324 to i32
+  br label %335
 
-336:
-  %337 = load i64, ptr %58, align 8
-  %338 = shl nsw i64 %337, 3
-  %339 = getelementptr inbounds double, ptr %28, i64 %338
-  %340 = getelementptr inbounds double, ptr %339, i64 %331
-  %341 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %331
-  %342 = load i64, ptr %341, align 8
-  %343 = load ptr, ptr %41, align 8
-  %344 = icmp eq ptr %343, null
-  br i1 %344, label %373, label %345
+335:
+  %336 = phi i64 [ 0, %330 ], [ %427, %426 ]
+  %337 = trunc i64 %336 to i32
+  %338 = shl nuw i32 1, %337
+  %339 = and i32 %338, %334
+  %340 = icmp eq i32 %339, 0
+  br i1 %340, label %426, label %341
 
-345:
-  %346 = load i64, ptr %57, align 8
-  %347 = shl nsw i64 %346, 3
-  %348 = add nsw i64 %347, %331
-  %349 = getelementptr inbounds double, ptr %28, i64 %348
-  %350 = load double, ptr %349, align 8
-  %351 = getelementptr inbounds %struct.Course, ptr %343, i64 0, i32 3
-  store double %350, ptr %351, align 8
-  %352 = add nsw i64 %342, 1
-  %353 = getelementptr inbounds %struct.Course, ptr %343, i64 0, i32 2
-  store i64 %352, ptr %353, align 8
-  %354 = getelementptr inbounds %struct.Course, ptr %343, i64 0, i32 1
-  %355 = load i64, ptr %354, align 8
-  %356 = icmp slt i64 %342, %355
-  br i1 %356, label %357, label %419
+341:
+  %342 = load i64, ptr %58, align 8
+  %343 = shl nsw i64 %342, 3
+  %344 = getelementptr inbounds double, ptr %28, i64 %343
+  %345 = getelementptr inbounds double, ptr %344, i64 %336
+  %346 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %336
+  %347 = load i64, ptr %346, align 8
+  %348 = load ptr, ptr %41, align 8
+  %349 = icmp eq ptr %348, null
+  br i1 %349, label %378, label %350
 
-357:
-  %358 = load i64, ptr %59, align 8
-  %359 = icmp sgt i64 %358, 0
-  br i1 %359, label %360, label %419
+350:
+  %351 = load i64, ptr %57, align 8
+  %352 = shl nsw i64 %351, 3
+  %353 = add nsw i64 %352, %336
+  %354 = getelementptr inbounds double, ptr %28, i64 %353
+  %355 = load double, ptr %354, align 8
+  %356 = getelementptr inbounds %struct.Course, ptr %348, i64 0, i32 3
+  store double %355, ptr %356, align 8
+  %357 = add nsw i64 %347, 1
+  %358 = getelementptr inbounds %struct.Course, ptr %348, i64 0, i32 2
+  store i64 %357, ptr %358, align 8
+  %359 = getelementptr inbounds %struct.Course, ptr %348, i64 0, i32 1
+  %360 = load i64, ptr %359, align 8
+  %361 = icmp slt i64 %347, %360
+  br i1 %361, label %362, label %424
 
-360:
-  %361 = phi i64 [ %370, %360 ], [ 0, %357 ]
-  %362 = shl nsw i64 %361, 3
-  %363 = getelementptr inbounds double, ptr %340, i64 %362
-  %364 = load double, ptr %363, align 8
-  %365 = load ptr, ptr %343, align 8
-  %366 = load i64, ptr %354, align 8
-  %367 = mul nsw i64 %366, %361
-  %368 = add nsw i64 %367, %342
-  %369 = getelementptr inbounds double, ptr %365, i64 %368
-  store double %364, ptr %369, align 8
-  %370 = add nuw nsw i64 %361, 1
-  %371 = load i64, ptr %59, align 8
-  %372 = icmp slt i64 %370, %371
-  br i1 %372, label %360, label %419
+362:
+  %363 = load i64, ptr %59, align 8
+  %364 = icmp sgt i64 %363, 0
+  br i1 %364, label %365, label %424
 
-373:
-  %374 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %331
-  %375 = load i64, ptr %374, align 8
-  %376 = load i64, ptr %42, align 8
-  %377 = mul nsw i64 %376, %375
-  %378 = add nsw i64 %377, %342
-  %379 = load ptr, ptr %44, align 8
-  %380 = load i64, ptr %60, align 8
-  %381 = getelementptr inbounds ptr, ptr %379, i64 %380
-  %382 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %331
-  %383 = load i64, ptr %382, align 8
-  %384 = load i64, ptr %59, align 8
-  %385 = load ptr, ptr %0, align 8
-  %386 = getelementptr inbounds %struct.Operation, ptr %385, i64 0, i32 6
-  %387 = load i64, ptr %386, align 8
-  %388 = add nsw i64 %387, 1
-  %389 = sdiv i64 %384, %388
-  %390 = sub nsw i64 %387, %383
-  %391 = load i64, ptr %33, align 8
-  %392 = tail call i64 @llvm.smin.i64(i64 %390, i64 %391)
+365:
+  %366 = phi i64 [ %375, %365 ], [ 0, %362 ]
+  %367 = shl nsw i64 %366, 3
+  %368 = getelementptr inbounds double, ptr %345, i64 %367
+  %369 = load double, ptr %368, align 8
+  %370 = load ptr, ptr %348, align 8
+  %371 = load i64, ptr %359, align 8
+  %372 = mul nsw i64 %371, %366
+  %373 = add nsw i64 %372, %347
+  %374 = getelementptr inbounds double, ptr %370, i64 %373
+  store double %369, ptr %374, align 8
+  %375 = add nuw nsw i64 %366, 1
+  %376 = load i64, ptr %59, align 8
+  %377 = icmp slt i64 %375, %376
+  br i1 %377, label %365, label %424
+
+378:
+  %379 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %336
+  %380 = load i64, ptr %379, align 8
+  %381 = load i64, ptr %42, align 8
+  %382 = mul nsw i64 %381, %380
+  %383 = add nsw i64 %382, %347
+  %384 = load ptr, ptr %44, align 8
+  %385 = load i64, ptr %60, align 8
+  %386 = getelementptr inbounds ptr, ptr %384, i64 %385
+  %387 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %336
+  %388 = load i64, ptr %387, align 8
+  %389 = load i64, ptr %59, align 8
+  %390 = load ptr, ptr %0, align 8
+  %391 = getelementptr inbounds %struct.Operation, ptr %390, i64 0, i32 6
+  %392 = load i64, ptr %391, align 8
   %393 = add nsw i64 %392, 1
-  %394 = mul nsw i64 %393, %389
-  %395 = icmp sgt i64 %394, 0
-  br i1 %395, label %396, label %419
+  %394 = sdiv i64 %389, %393
+  %395 = sub nsw i64 %392, %388
+  %396 = load i64, ptr %33, align 8
+  %397 = tail call i64 @llvm.smin.i64(i64 %395, i64 %396)
+  %398 = add nsw i64 %397, 1
+  %399 = mul nsw i64 %398, %394
+  %400 = icmp sgt i64 %399, 0
+  br i1 %400, label %401, label %424
 
-396:
-  %397 = mul nsw i64 %389, %383
-  br label %398
+401:
+  %402 = mul nsw i64 %394, %388
+  br label %403
 
-398:
-  %399 = phi i64 [ 0, %396 ], [ %409, %398 ]
-  %400 = shl nsw i64 %399, 3
-  %401 = getelementptr inbounds double, ptr %340, i64 %400
-  %402 = load double, ptr %401, align 8
-  %403 = icmp slt i64 %399, %389
-  %404 = select i1 %403, i64 0, i64 %397
-  %405 = add nsw i64 %404, %399
-  %406 = getelementptr inbounds ptr, ptr %381, i64 %405
-  %407 = load ptr, ptr %406, align 8
-  %408 = getelementptr inbounds double, ptr %407, i64 %378
-  store double %402, ptr %408, align 8
-  %409 = add nuw nsw i64 %399, 1
-  %410 = load ptr, ptr %0, align 8
-  %411 = getelementptr inbounds %struct.Operation, ptr %410, i64 0, i32 6
-  %412 = load i64, ptr %411, align 8
-  %413 = sub nsw i64 %412, %383
-  %414 = load i64, ptr %33, align 8
-  %415 = tail call i64 @llvm.smin.i64(i64 %413, i64 %414)
-  %416 = add nsw i64 %415, 1
-  %417 = mul nsw i64 %416, %389
-  %418 = icmp slt i64 %409, %417
-  br i1 %418, label %398, label %419
-
-419:
-  %420 = add nsw i64 %342, 1
-  store i64 %420, ptr %341, align 8
-  br label %421
-
-421:
-  %422 = add nuw nsw i64 %331, 1
-  %423 = icmp eq i64 %422, 8
-  br i1 %423, label %322, label %330
+403:
+  %404 = phi i64 [ 0, %401 ], [ %414, %403 ]
+  %405 = shl nsw i64 %404, 3
+  %406 = getelementptr inbounds double, ptr %345, i64 %405
+  %407 = load double, ptr %406, align 8
+  %408 = icmp slt i64 %404, %394
+  %409 = select i1 %408, i64 0, i64 %402
+  %410 = add nsw i64 %409, %404
+  %411 = getelementptr inbounds ptr, ptr %386, i64 %410
+  %412 = load ptr, ptr %411, align 8
+  %413 = getelementptr inbounds double, ptr %412, i64 %383
+  store double %407, ptr %413, align 8
+  %414 = add nuw nsw i64 %404, 1
+  %415 = load ptr, ptr %0, align 8
+  %416 = getelementptr inbounds %struct.Operation, ptr %415, i64 0, i32 6
+  %417 = load i64, ptr %416, align 8
+  %418 = sub nsw i64 %417, %388
+  %419 = load i64, ptr %33, align 8
+  %420 = tail call i64 @llvm.smin.i64(i64 %418, i64 %419)
+  %421 = add nsw i64 %420, 1
+  %422 = mul nsw i64 %421, %394
+  %423 = icmp slt i64 %414, %422
+  br i1 %423, label %403, label %424
 
 424:
-  %425 = icmp eq i8 %238, 0
-  br i1 %425, label %234, label %426
+  %425 = add nsw i64 %347, 1
+  store i64 %425, ptr %346, align 8
+  br label %426
 
 426:
-  %427 = load ptr, ptr %61, align 8
-  %428 = tail call zeroext i8 %427(ptr noundef %28, i8 noundef zeroext %238, i64 noundef %50)
-  %429 = zext i8 %238 to i32
-  br label %430
+  %427 = add nuw nsw i64 %336, 1
+  %428 = icmp eq i64 %427, 8
+  br i1 %428, label %327, label %335
 
-430:
-  %431 = phi i64 [ 0, %426 ], [ %556, %554 ]
-  %432 = phi i8 [ 0, %426 ], [ %555, %554 ]
-  %433 = trunc i64 %431 to i32
-  %434 = shl nuw i32 1, %433
-  %435 = and i32 %434, %429
-  %436 = icmp eq i32 %435, 0
-  br i1 %436, label %554, label %437
+429:
+  %430 = icmp eq i8 %238, 0
+  br i1 %430, label %234, label %431
 
-437:
-  %438 = load i64, ptr %53, align 8
-  %439 = icmp slt i64 %438, 0
-  br i1 %439, label %475, label %440
+431:
+  %432 = load ptr, ptr %61, align 8
+  %433 = tail call zeroext i8 %432(ptr noundef %28, i8 noundef zeroext %238, i64 noundef %50)
+  %434 = zext i8 %238 to i32
+  br label %435
 
-440:
-  %441 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %431
-  %442 = load i64, ptr %441, align 8
-  %443 = icmp eq i64 %442, 7
-  br i1 %443, label %475, label %444
+435:
+  %436 = phi i64 [ 0, %431 ], [ %561, %559 ]
+  %437 = phi i8 [ 0, %431 ], [ %560, %559 ]
+  %438 = trunc i64 %436 to i32
+  %439 = shl nuw i32 1, %438
+  %440 = and i32 %439, %434
+  %441 = icmp eq i32 %440, 0
+  br i1 %441, label %559, label %442
 
-444:
-  %445 = load i64, ptr %62, align 8
-  %446 = shl nsw i64 %445, 3
-  %447 = getelementptr inbounds double, ptr %28, i64 %446
-  %448 = getelementptr inbounds double, ptr %447, i64 %431
-  %449 = load i64, ptr %63, align 8
-  %450 = shl nsw i64 %449, 3
-  %451 = getelementptr inbounds double, ptr %448, i64 %450
-  %452 = load double, ptr %451, align 8
-  %453 = load double, ptr %64, align 8
-  %454 = fcmp une double %452, %453
-  br i1 %454, label %475, label %455
+442:
+  %443 = load i64, ptr %53, align 8
+  %444 = icmp slt i64 %443, 0
+  br i1 %444, label %480, label %445
 
-455:
-  %456 = load i64, ptr %65, align 8
-  %457 = shl nsw i64 %456, 3
-  %458 = getelementptr inbounds double, ptr %448, i64 %457
-  %459 = load double, ptr %458, align 8
-  %460 = load double, ptr %66, align 8
-  %461 = fcmp ult double %459, %460
-  br i1 %461, label %462, label %475
+445:
+  %446 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %436
+  %447 = load i64, ptr %446, align 8
+  %448 = icmp eq i64 %447, 7
+  br i1 %448, label %480, label %449
 
-462:
-  %463 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %431
+449:
+  %450 = load i64, ptr %62, align 8
+  %451 = shl nsw i64 %450, 3
+  %452 = getelementptr inbounds double, ptr %28, i64 %451
+  %453 = getelementptr inbounds double, ptr %452, i64 %436
+  %454 = load i64, ptr %63, align 8
+  %455 = shl nsw i64 %454, 3
+  %456 = getelementptr inbounds double, ptr %453, i64 %455
+  %457 = load double, ptr %456, align 8
+  %458 = load double, ptr %64, align 8
+  %459 = fcmp une double %457, %458
+  br i1 %459, label %480, label %460
+
+460:
+  %461 = load i64, ptr %65, align 8
+  %462 = shl nsw i64 %461, 3
+  %463 = getelementptr inbounds double, ptr %453, i64 %462
   %464 = load double, ptr %463, align 8
-  %465 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 17, i64 %442
-  %466 = load double, ptr %465, align 8
-  %467 = fmul double %464, %466
-  %468 = shl nsw i64 %438, 3
-  %469 = add nsw i64 %468, %431
-  %470 = getelementptr inbounds double, ptr %28, i64 %469
-  store double %467, ptr %470, align 8
-  %471 = add nsw i64 %442, 1
-  store i64 %471, ptr %441, align 8
-  %472 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %431
-  store i64 0, ptr %472, align 8
-  %473 = trunc i32 %434 to i8
-  %474 = or i8 %432, %473
-  br label %554
+  %465 = load double, ptr %66, align 8
+  %466 = fcmp ult double %464, %465
+  br i1 %466, label %467, label %480
 
-475:
-  %476 = load i64, ptr %62, align 8
-  %477 = shl nsw i64 %476, 3
-  %478 = getelementptr inbounds double, ptr %28, i64 %477
-  %479 = getelementptr inbounds double, ptr %478, i64 %431
-  %480 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %431
-  %481 = load i64, ptr %480, align 8
-  %482 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %431
-  %483 = load i64, ptr %482, align 8
-  %484 = load ptr, ptr %0, align 8
-  %485 = getelementptr inbounds %struct.Operation, ptr %484, i64 0, i32 6
+467:
+  %468 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %436
+  %469 = load double, ptr %468, align 8
+  %470 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 17, i64 %447
+  %471 = load double, ptr %470, align 8
+  %472 = fmul double %469, %471
+  %473 = shl nsw i64 %443, 3
+  %474 = add nsw i64 %473, %436
+  %475 = getelementptr inbounds double, ptr %28, i64 %474
+  store double %472, ptr %475, align 8
+  %476 = add nsw i64 %447, 1
+  store i64 %476, ptr %446, align 8
+  %477 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %436
+  store i64 0, ptr %477, align 8
+  %478 = trunc i32 %439 to i8
+  %479 = or i8 %437, %478
+  br label %559
+
+480:
+  %481 = load i64, ptr %62, align 8
+  %482 = shl nsw i64 %481, 3
+  %483 = getelementptr inbounds double, ptr %28, i64 %482
+  %484 = getelementptr inbounds double, ptr %483, i64 %436
+  %485 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %436
   %486 = load i64, ptr %485, align 8
-  %487 = sub nsw i64 %486, %483
-  %488 = load i64, ptr %33, align 8
-  %489 = tail call i64 @llvm.smin.i64(i64 %487, i64 %488)
-  %490 = add nsw i64 %489, 1
-  %491 = load i64, ptr %60, align 8
-  %492 = add nsw i64 %486, 1
-  %493 = sdiv i64 %491, %492
-  %494 = mul nsw i64 %493, %490
-  %495 = icmp sgt i64 %494, 0
-  br i1 %495, label %496, label %498
-
-496:
-  %497 = mul nsw i64 %493, %483
-  br label %501
-
-498:
-  %499 = load ptr, ptr %41, align 8
-  %500 = icmp eq ptr %499, null
-  br i1 %500, label %515, label %553
+  %487 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %436
+  %488 = load i64, ptr %487, align 8
+  %489 = load ptr, ptr %0, align 8
+  %490 = getelementptr inbounds %struct.Operation, ptr %489, i64 0, i32 6
+  %491 = load i64, ptr %490, align 8
+  %492 = sub nsw i64 %491, %488
+  %493 = load i64, ptr %33, align 8
+  %494 = tail call i64 @llvm.smin.i64(i64 %492, i64 %493)
+  %495 = add nsw i64 %494, 1
+  %496 = load i64, ptr %60, align 8
+  %497 = add nsw i64 %491, 1
+  %498 = sdiv i64 %496, %497
+  %499 = mul nsw i64 %498, %495
+  %500 = icmp sgt i64 %499, 0
+  br i1 %500, label %501, label %503
 
 501:
-  %502 = phi i64 [ 0, %496 ], [ %513, %501 ]
-  %503 = shl nsw i64 %502, 3
-  %504 = getelementptr inbounds double, ptr %479, i64 %503
-  %505 = load double, ptr %504, align 8
-  %506 = load ptr, ptr %44, align 8
-  %507 = icmp slt i64 %502, %493
-  %508 = select i1 %507, i64 0, i64 %497
-  %509 = add nsw i64 %508, %502
-  %510 = getelementptr inbounds ptr, ptr %506, i64 %509
-  %511 = load ptr, ptr %510, align 8
-  %512 = getelementptr inbounds double, ptr %511, i64 %481
-  store double %505, ptr %512, align 8
-  %513 = add nuw nsw i64 %502, 1
-  %514 = icmp eq i64 %513, %494
-  br i1 %514, label %498, label %501
+  %502 = mul nsw i64 %498, %488
+  br label %506
 
-515:
-  %516 = load ptr, ptr %44, align 8
-  %517 = load i64, ptr %60, align 8
-  %518 = getelementptr inbounds ptr, ptr %516, i64 %517
-  %519 = load i64, ptr %59, align 8
-  %520 = load ptr, ptr %0, align 8
-  %521 = getelementptr inbounds %struct.Operation, ptr %520, i64 0, i32 6
-  %522 = load i64, ptr %521, align 8
-  %523 = add nsw i64 %522, 1
-  %524 = sdiv i64 %519, %523
-  %525 = mul nsw i64 %524, %490
-  %526 = icmp sgt i64 %525, 0
-  br i1 %526, label %527, label %553
+503:
+  %504 = load ptr, ptr %41, align 8
+  %505 = icmp eq ptr %504, null
+  br i1 %505, label %520, label %558
 
-527:
-  %528 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %431
-  %529 = mul nsw i64 %524, %483
-  %530 = load i64, ptr %528, align 8
-  br label %531
+506:
+  %507 = phi i64 [ 0, %501 ], [ %518, %506 ]
+  %508 = shl nsw i64 %507, 3
+  %509 = getelementptr inbounds double, ptr %484, i64 %508
+  %510 = load double, ptr %509, align 8
+  %511 = load ptr, ptr %44, align 8
+  %512 = icmp slt i64 %507, %498
+  %513 = select i1 %512, i64 0, i64 %502
+  %514 = add nsw i64 %513, %507
+  %515 = getelementptr inbounds ptr, ptr %511, i64 %514
+  %516 = load ptr, ptr %515, align 8
+  %517 = getelementptr inbounds double, ptr %516, i64 %486
+  store double %510, ptr %517, align 8
+  %518 = add nuw nsw i64 %507, 1
+  %519 = icmp eq i64 %518, %499
+  br i1 %519, label %503, label %506
 
-531:
-  %532 = phi i64 [ 0, %527 ], [ %541, %540 ]
-  %533 = load i64, ptr %42, align 8
-  %534 = icmp slt i64 %530, %533
-  br i1 %534, label %535, label %540
+520:
+  %521 = load ptr, ptr %44, align 8
+  %522 = load i64, ptr %60, align 8
+  %523 = getelementptr inbounds ptr, ptr %521, i64 %522
+  %524 = load i64, ptr %59, align 8
+  %525 = load ptr, ptr %0, align 8
+  %526 = getelementptr inbounds %struct.Operation, ptr %525, i64 0, i32 6
+  %527 = load i64, ptr %526, align 8
+  %528 = add nsw i64 %527, 1
+  %529 = sdiv i64 %524, %528
+  %530 = mul nsw i64 %529, %495
+  %531 = icmp sgt i64 %530, 0
+  br i1 %531, label %532, label %558
 
-535:
-  %536 = icmp slt i64 %532, %524
-  %537 = select i1 %536, i64 0, i64 %529
-  %538 = add nsw i64 %537, %532
-  %539 = getelementptr inbounds ptr, ptr %518, i64 %538
-  br label %543
+532:
+  %533 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %436
+  %534 = mul nsw i64 %529, %488
+  %535 = load i64, ptr %533, align 8
+  br label %536
+
+536:
+  %537 = phi i64 [ 0, %532 ], [ %546, %545 ]
+  %538 = load i64, ptr %42, align 8
+  %539 = icmp slt i64 %535, %538
+  br i1 %539, label %540, label %545
 
 540:
-  %541 = add nuw nsw i64 %532, 1
-  %542 = icmp eq i64 %541, %525
-  br i1 %542, label %553, label %531
+  %541 = icmp slt i64 %537, %529
+  %542 = select i1 %541, i64 0, i64 %534
+  %543 = add nsw i64 %542, %537
+  %544 = getelementptr inbounds ptr, ptr %523, i64 %543
+  br label %548
 
-543:
-  %544 = phi i64 [ %533, %535 ], [ %551, %543 ]
-  %545 = phi i64 [ %530, %535 ], [ %550, %543 ]
-  %546 = load ptr, ptr %539, align 8
-  %547 = mul nsw i64 %544, %481
-  %548 = add nsw i64 %547, %545
-  %549 = getelementptr inbounds double, ptr %546, i64 %548
-  store double 0x7FF8000000000000, ptr %549, align 8
-  %550 = add nsw i64 %545, 1
-  %551 = load i64, ptr %42, align 8
-  %552 = icmp slt i64 %550, %551
-  br i1 %552, label %543, label %540
+545:
+  %546 = add nuw nsw i64 %537, 1
+  %547 = icmp eq i64 %546, %530
+  br i1 %547, label %558, label %536
 
-553:
-  store i64 -1, ptr %480, align 8
-  br label %554
-
-554:
-  %555 = phi i8 [ %474, %462 ], [ %432, %553 ], [ %432, %430 ]
-  %556 = add nuw nsw i64 %431, 1
-  %557 = icmp eq i64 %556, 8
-  br i1 %557, label %558, label %430
+548:
+  %549 = phi i64 [ %538, %540 ], [ %556, %548 ]
+  %550 = phi i64 [ %535, %540 ], [ %555, %548 ]
+  %551 = load ptr, ptr %544, align 8
+  %552 = mul nsw i64 %549, %486
+  %553 = add nsw i64 %552, %550
+  %554 = getelementptr inbounds double, ptr %551, i64 %553
+  store double 0x7FF8000000000000, ptr %554, align 8
+  %555 = add nsw i64 %550, 1
+  %556 = load i64, ptr %42, align 8
+  %557 = icmp slt i64 %555, %556
+  br i1 %557, label %548, label %545
 
 558:
-  %559 = phi i8 [ %68, %230 ], [ %555, %554 ]
-  br i1 %231, label %560, label %67
+  store i64 -1, ptr %485, align 8
+  br label %559
 
-560:
-  %561 = add nuw nsw i64 %47, 1
-  %562 = load i64, ptr %3, align 8
-  %563 = icmp slt i64 %561, %562
-  br i1 %563, label %46, label %45
+559:
+  %560 = phi i8 [ %479, %467 ], [ %437, %558 ], [ %437, %435 ]
+  %561 = add nuw nsw i64 %436, 1
+  %562 = icmp eq i64 %561, 8
+  br i1 %562, label %563, label %435
 
-564:
+563:
+  %564 = phi i8 [ %68, %230 ], [ %560, %559 ]
+  br i1 %231, label %565, label %67
+
+565:
+  %566 = add nuw nsw i64 %47, 1
+  %567 = load i64, ptr %3, align 8
+  %568 = icmp slt i64 %566, %567
+  br i1 %568, label %46, label %45
+
+569:
   ret ptr null
 }
 

@@ -5,8 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtr
 
+from ...impact.events import TIME_LIMIT
 from ...progress import Progress, ProgressFunction, reporting_to, tell, within
-from ...quantities import CURVE_COLUMNS
+from ...quantities import CURVE_COLUMNS, TIME_COLUMN
+from ...scene import GRAVITY
 from ..estimation.evolution import AGREED
 from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART
 from ..problem.config import Study
@@ -42,6 +44,10 @@ DEPTHS = (
     "final_penetration_m",
     "final_sinking_m",
 )
+
+NORMAL_FORCES = ("max_normal_force_N", "normal_force_N")
+LEAST_FORCE = 0.5
+"""Part of the weight of a block that the largest normal force of an impact exceeds."""
 
 
 class Examination(NamedTuple):
@@ -283,8 +289,24 @@ def doubtful_units(study: Study) -> list[str]:
             f"e_n is above 1 in {names}{more}: only an elongated or a spinning block "
             "can leave the ground faster than it came. Is the speed before right?"
         )
-    semi_axes = np.asarray(study.scene_of(study.variants[0]).block.semi_axes)
-    diameter = 2.0 * np.cbrt(np.prod(semi_axes, axis=0))
+    times = study.tests.times[np.isfinite(study.tests.times)]
+    if len(times) and np.median(times) > TIME_LIMIT:
+        lines.append(
+            f"Half of the times in {TIME_COLUMN} are above {np.median(times):.3g}, and "
+            "are read as seconds, but no contact of the model is longer than "
+            f"{TIME_LIMIT:g} s: are these milliseconds?"
+        )
+    block = study.scene_of(study.variants[0]).block
+    weight = GRAVITY * np.asarray(block.mass)
+    for name in (name for name in study.targets if name in NORMAL_FORCES):
+        largest = np.nanmax(study.tests.measured[name] / weight)
+        if largest < LEAST_FORCE:
+            lines.append(
+                f"No measurement of {name} is above {largest:.3g} times the weight of "
+                "the block, which would not stop it, and they are read as newtons: are "
+                "these kilonewtons?"
+            )
+    diameter = 2.0 * np.cbrt(np.prod(np.asarray(block.semi_axes), axis=0))
     for name in (name for name in study.targets if name in DEPTHS):
         middle = np.nanmedian(study.tests.measured[name] / diameter)
         if middle > 10.0:

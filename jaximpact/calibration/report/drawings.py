@@ -190,7 +190,9 @@ def draw_residuals(
         along, label = variant.predicted, f"predicted {label_of(study.targets[0])}"
     else:
         shown = np.where(np.isfinite(values), np.abs(variant.predicted), np.nan)
-        along = variant.predicted / np.nanmax(shown, axis=0)
+        largest = np.nanmax(shown, axis=0, initial=0.0)
+        # Where no impact has a force at the times of its curve all are zero.
+        along = variant.predicted / np.where(largest > 0.0, largest, 1.0)
         label = "prediction over the largest of its target [-]"
     figure, axes = _about_zero(study, along, values, 2.0, on)
     axes.set_xlabel(label)
