@@ -30,10 +30,9 @@ PROGRESS = 0.01
 """Width over time reached above which a step at the onset is progress."""
 ONSET = 1e-3
 """Duration of the onset, over the time in which the block moves by its size."""
-JUST_AFTER = 1e-4
-"""Time since a switch over the time reached, up to which a peak belongs to the switch.
-Slip relaxes in a microsecond, in which forces rise by less than the errors of steps;
-their derivatives, which change there from one to another, are not resolved."""
+TRANSVERSAL = 1e-3
+"""Change of a switching function in the time reached, from which a step's end moves
+with its switch; where one is only grazed, the instant is uncertain."""
 
 
 class Fold(NamedTuple):
@@ -53,8 +52,10 @@ class Fold(NamedTuple):
     """1 where the next step takes another branch, on which the rates are others; else
     0. They are the same at the switch itself; but slip relaxes in a microsecond, so
     that its rate is off by much where the switch has been missed by little."""
-    switched: Scalar
-    """Time of the last switch [s]."""
+    moved: Scalar
+    """Zero, with the derivative of the times of steps. Widths are constants, but the
+    step that ends on a switch ends sooner where the switch comes sooner, and with it
+    all that follow [s]."""
     stalled: Scalar | None
     """Steps without progress at the onset, with dashpots; else None."""
 
@@ -73,8 +74,8 @@ class Fold(NamedTuple):
 def cut(fold: Fold, by: Callable = jax.lax.stop_gradient) -> Fold:
     """Cut from differentiation what no derivative of a result needs.
 
-    Widths of steps are constants, and so is where they end. The correction of the time
-    of the end is zero in value: of its quotient the margin alone has a derivative.
+    Widths of steps are constants. Corrections of the times of switches and of the end
+    are zero in value: of their quotients the numerators alone have derivatives.
 
     Args:
         by: what is done to each of these quantities.
@@ -87,7 +88,6 @@ def cut(fold: Fold, by: Callable = jax.lax.stop_gradient) -> Fold:
         ),
         rates=by(fold.rates),
         turned=by(fold.turned),
-        switched=by(fold.switched),
         stalled=by(fold.stalled),
     )
 
@@ -116,7 +116,7 @@ def start_fold(problem: Problem, vector) -> Fold:
         watched_rate=still,
         rates=jnp.zeros_like(vector),
         turned=zero,
-        switched=zero,
+        moved=zero,
         stalled=zero if problem.model.damped else None,
     )
     return cut(fold)
@@ -133,7 +133,7 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
     is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
     turns = (sides[0] != sides[1]) & is_on
     turned = jnp.any(turns, axis=0)
-    since = _time_since_switch(watched, watched_rate, turns)
+    late = _time_since_switch(watched, watched_rate, turns, time + width)
     peaks, times = [], []
     for name in Observed._fields:
         start, start_rate, end, end_rate = (
@@ -150,29 +150,25 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
             place = jnp.where(lowest > value, lowest_place, place)
             rate = jnp.where(lowest > value, -end_rate, end_rate)
             value = jnp.maximum(value, lowest)
-        late = jnp.where(place < 1.0, 0.0, since)
-        value = value - late * jax.lax.stop_gradient(rate)
-        when = time + place * width - late
+        late_here = jnp.where(place < 1.0, 0.0, late)
+        value = earlier(value, rate, late_here)
+        when = fold.moved + time + place * width - late_here
         before, before_when = getattr(fold.peaks, name), getattr(fold.peak_times, name)
-        # A peak just after a switch moves with it, unless it is at the next one.
-        moves_on = (
-            (when - fold.switched < JUST_AFTER * when)
-            & (before_when >= fold.switched)
-            & ((place < 1.0) | ~turned)
-        )
-        value, when = (
-            jnp.where(moves_on, jax.lax.stop_gradient(new) + only_derivative(old), new)
-            for new, old in ((value, before), (when, before_when))
-        )
         higher = value > before
         peaks.append(jnp.where(higher, value, before))
         times.append(jnp.where(higher, when, before_when))
     work = fold.work
     if problem.ledger is True:
         work = add_work(problem, work, step, 1.0, branch)
+        power = problem.power(step.y1, rates, branch)
+        work = jax.tree.map(lambda done, rate: earlier(done, rate, late), work, power)
     elif problem.ledger == ARM:
         arm = _integral_of_arm_power(fold, watched, watched_rate, width)
-        work = work._replace(arm=work.arm + arm)
+        arm = earlier(work.arm + arm, watched.arm_power, late)
+        work = work._replace(arm=arm)
+    watched = jax.tree.map(
+        lambda value, rate: earlier(value, rate, late), watched, watched_rate
+    )
     fold = Fold(
         peaks=Observed(*peaks),
         peak_times=Observed(*times),
@@ -181,19 +177,25 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
         watched_rate=watched_rate,
         rates=rates,
         turned=jnp.where(turned, 1.0, 0.0),
-        switched=jnp.where(turned, time + width, fold.switched),
+        moved=fold.moved - late,
         stalled=_stalled_steps(problem, fold, time, width),
     )
     return cut(fold)
 
 
-def _time_since_switch(watched: Watched, watched_rate: Watched, turns) -> Scalar:
+def earlier(value: Scalar, rate: Scalar, late: Scalar) -> Scalar:
+    """Return a value as of a time by `late` earlier, which is zero with a
+    derivative."""
+    return value - only_derivative(late * jax.lax.stop_gradient(rate))
+
+
+def _time_since_switch(watched: Watched, watched_rate: Watched, turns, time) -> Scalar:
     """Compute how long a step that ends on a switch has gone on beyond it: no time, but
-    with the derivative of that time, since the step does not end elsewhere where the
-    switch comes sooner. A peak that is reached as a law switches moves with it.
+    with the derivative of that time.
 
     Args:
         turns: True for each switch that the step has met.
+        time: that at the end of the step [s].
     """
     values, rates = _stacked(watched.switches), _stacked(watched_rate.switches)
     first = jnp.argmin(jnp.where(turns, jnp.abs(values), jnp.inf), axis=0)
@@ -201,7 +203,7 @@ def _time_since_switch(watched: Watched, watched_rate: Watched, turns) -> Scalar
         jnp.take_along_axis(x, first[None], axis=0)[0] for x in (values, rates)
     )
     rate = jax.lax.stop_gradient(rate)
-    moves = jnp.any(turns, axis=0) & (rate != 0.0)
+    moves = jnp.any(turns, axis=0) & (jnp.abs(rate) * time > TRANSVERSAL)
     return only_derivative(jnp.where(moves, value / jnp.where(moves, rate, 1.0), 0.0))
 
 

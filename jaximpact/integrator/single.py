@@ -4,8 +4,8 @@ Rodas5P may be replaced by another solver of diffrax (`diffrax_solvers`); all el
 stays. Results besides the end state are accumulated over the accepted steps
 (`accumulators`). diffrax watches one margin, the least of all, and stops when the step
 size control (`event_location`) has landed on its root. Step widths are cut from
-differentiation; a last Newton correction, zero in value, carries the derivative of the
-event's time.
+differentiation, but for those of steps that end on a switch of the laws or on the end:
+corrections, zero in value, carry the derivatives of these times.
 """
 
 import functools
@@ -22,7 +22,7 @@ from ..impact.dynamics import ARM
 from ..impact.events import TIME_LIMIT, Margins, branch_of
 from ..impact.problem import Observed, Problem, jacobian_pattern
 from ..laws import Branch
-from .accumulators import Fold, LastStep, fold_step, start_fold
+from .accumulators import Fold, LastStep, earlier, fold_step, start_fold
 from .diffrax_solvers import solver_step
 from .error_control import ErrorControl
 from .event_location import LandingController, negligible_margin
@@ -74,10 +74,11 @@ def advance(
     size = jnp.maximum(jnp.abs(state.vector), jnp.abs(vector))
     allowed = problem.allowed_error(size, state.fold.peaks.normal_force)
     fold = fold_step(problem, state.fold, time, step, branch)
+    vector = earlier(vector, fold.rates, state.fold.moved - fold.moved)
     vector = problem.on_next_side(vector, branch, fold.watched.switches)
     last = None
     if state.last is not None:
-        last = LastStep(time, step, branch, state.fold.work)
+        last = LastStep(time + state.fold.moved, step, branch, state.fold.work)
     after = SolverState(vector, fold)
     # A non-finite error means that the step is far too long: reject it.
     error = jax.lax.stop_gradient(error / allowed)
@@ -252,7 +253,7 @@ def end_of(
     vector = state.vector - correction * state.fold.rates
     return End(
         vector=vector,
-        time=jax.lax.stop_gradient(time) - correction,
+        time=jax.lax.stop_gradient(time) + state.fold.moved - correction,
         fold=_moved_to_the_end(problem, state.fold, time, correction, vector),
         margins=problem.margins(vector, state.fold.peaks.normal_force),
         event=event,
