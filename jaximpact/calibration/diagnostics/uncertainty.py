@@ -120,7 +120,7 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     )
 
 
-def _quantile(freedom):
+def _quantile(freedom) -> np.ndarray:
     """Compute Student's quantile, which is the normal one of infinite degrees of
     freedom."""
     half = 0.5 + CONFIDENCE / 2.0
