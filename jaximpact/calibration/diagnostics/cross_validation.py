@@ -211,7 +211,7 @@ def _left_out(
         reasons.append(reason)
     x, errors = np.array(ends), uncertainty.standard_errors
     moved = (x - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
-    quantile = uncertainty.quantile
+    quantile = uncertainty.quantile_of_all
     return LeftOut(names, group, x, reasons, moved, predicted, deviation, quantile)
 
 

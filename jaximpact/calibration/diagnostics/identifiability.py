@@ -6,12 +6,11 @@ ratio to the best fit is small enough,
 
 $$ 2 \, (C(x) - C(\hat x)) / (s^2 v) \le q^2, $$
 
-with q = 1 for 68 % and about 2 for 95 %, and v the variance of the parameter over that
-of the curvature alone: where the scatter differs from test to test (`uncertainty`), the
-likelihood, which does not know it, is scaled as its curvature is (Pace, Salvan and
-Sartori 2011, Statistica Sinica 21, 129). A parameter is identifiable where the interval
-has both ends within its bounds, and where standard error, starts, prior and bounds
-agree with it.
+with q = 1 for 68 % and its quantile (`uncertainty`) for 95 %, and v the variance of the
+parameter over that of the curvature alone: the likelihood, which does not know how
+sigmas were estimated, is scaled as its curvature is (Pace, Salvan and Sartori 2011,
+Statistica Sinica 21, 129). A parameter is identifiable where the interval has both ends
+within its bounds, and where standard error, starts, prior and bounds agree with it.
 """
 
 import itertools
@@ -91,7 +90,7 @@ def profile_all(
         wide = ~widened
         for index in range(count):
             along, rise = _rise(fits, index, uncertainty)
-            inside = rise <= uncertainty.quantile**2
+            inside = rise <= uncertainty.quantile[index] ** 2
             within_range = along[0] < best[index] < along[-1]
             wide[index] &= not within_range or inside[0] or inside[-1]
         if not np.any(wide):
@@ -207,7 +206,7 @@ def _profile(
     rows = np.flatnonzero(fits.fixed == index)
     lowest = rows[np.argmin(cost[rows])]
     along, rise = _rise(fits, index, uncertainty)
-    limits = 1.0, uncertainty.quantile**2
+    limits = 1.0, uncertainty.quantile[index] ** 2
     ends = (end for limit in limits for end in _within(along, rise, limit))
 
     def value(at: float | None) -> float | None:
@@ -295,8 +294,7 @@ def judge_all(
     """
     bounds, x = objective.bounds, best.points.x[0]
     reached, prior = bounds.bound_reached(x), objective.prior_information(x)
-    allowed = 0.5 * uncertainty.inflation * uncertainty.quantile**2
-    others = ends.points.x[ends.points.cost <= best.points.cost[0] + allowed]
+    risen = 2.0 * (ends.points.cost - best.points.cost[0]) / uncertainty.inflation
     verdicts = []
     for place, parameter in enumerate(objective.study.parameters):
         error, reasons = float(uncertainty.standard_errors[place]), []
@@ -316,6 +314,7 @@ def judge_all(
             reasons.append("the tests add no information to its prior")
         if profile := profiles.get(parameter.name):
             reasons += _of_profile(profile, bool(reasons))
+        others = ends.points.x[risen <= uncertainty.quantile[place] ** 2]
         apart = np.abs(others[:, place] - x[place])
         far = others[apart > max(3.0 * error, 0.05)]
         if len(far):

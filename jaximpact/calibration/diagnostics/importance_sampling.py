@@ -34,7 +34,7 @@ import numpy as np
 
 from ...accuracy import PRESETS, Accuracy
 from ...progress import within
-from ..estimation.sigma import LEAST_FREEDOM, freedom_of_targets
+from ..estimation.sigma import LEAST_FREEDOM, freedom_of_targets, sharing_scale
 from ..problem.noise import LOSSES
 from ..problem.objective import Objective, Points
 from .posterior import Draws, moments, normalised, root_of
@@ -250,11 +250,7 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
     freedom = freedom_of_targets(objective, points)
     # Not of the weights, which underflow where this density falls off more slowly.
     log_weights = draws.log_weights.copy()
-    estimated = ~study.sigma_given
-    alone = estimated & (freedom >= LEAST_FREEDOM)
-    groups = [[target] for target in np.flatnonzero(alone)]
-    groups += [np.flatnonzero(estimated & ~alone)]
-    for group in groups:
+    for group in sharing_scale(study, freedom):
         nu = float(np.sum(freedom[group]))
         if nu < LEAST_FREEDOM:
             continue  # no scale was estimated

@@ -91,7 +91,7 @@ class VariantResult(NamedTuple):
         the unit of the unknown: symmetric in x, and cut at the bounds."""
         bounds, uncertainty = self.bounds, self.uncertainty
         x = bounds.coordinate(self.parameters)
-        reach = uncertainty.quantile * uncertainty.standard_errors
+        reach = uncertainty.quantile[index] * uncertainty.standard_errors[index]
         low = bounds.parameter(np.maximum(x - reach, bounds.low))
         high = bounds.parameter(np.minimum(x + reach, bounds.high))
         return float(low[index]), float(high[index])

@@ -14,7 +14,12 @@ covariance is multiplied by the reduced chi-square.
 
 Where the sigma of a target is estimated from many measurements, v is the squared slope
 of each over 1 - leverage, so that the scatter may differ between tests (White 1980;
-MacKinnon and White 1985).
+MacKinnon and White 1985). Of few, V has another term: weights by sigmas that are
+estimated, of a target k from nu_k degrees of freedom, make a fit scatter more than
+H^-1, and H^-1 too small (Kenward and Roger 1997, Biometrics 53, 983):
+
+$$ \sum_k \frac{4}{\nu_k} (A_k - A_k H^{-1} A_k), \qquad
+   A_k = \sum_{i \text{ of } k} w_i J_i^T J_i. $$
 """
 
 from typing import NamedTuple
@@ -26,8 +31,11 @@ from scipy.special import chdtrc, ndtri, stdtrit
 
 from ..estimation.linear_algebra import LEAST_EIGENVALUE, inverse_positive
 from ..estimation.sigma import (
+    freedom_of_targets,
+    hat,
     leverages,
     pseudo_inverse,
+    sharing_scale,
     standardised_rows,
     weights_of_cells,
 )
@@ -40,6 +48,8 @@ USELESS_ERROR = 1.0
 CONFIDENCE = 0.95
 LEAST_LEFT = 0.1
 """Least 1 - leverage: a measurement that alone rules the fit has no residual."""
+MANY = 20.0
+"""Degrees of freedom from which the scatter is estimated test by test."""
 IMPROBABLE = 0.01
 """Probability of a larger, or smaller, chi-square below which the given sigmas are too
 small, or too large."""
@@ -55,9 +65,12 @@ class Uncertainty(NamedTuple):
     any."""
     degrees_of_freedom: float
     """Number of exact measurements less the sum of their leverages."""
-    quantile: float
-    """Half width of the 95 % confidence interval in standard errors: of Student's
-    distribution where the scatter was estimated."""
+    quantile: np.ndarray
+    """Half widths of the 95 % confidence intervals of the soil's parameters in standard
+    errors, shape (parameters,): of Student's distribution where the scatter was
+    estimated."""
+    quantile_of_all: float
+    """The same of a measurement, by all degrees of freedom."""
     profile_scale: np.ndarray
     """Variance of each unknown over that of the curvature alone, shape (unknowns,): 1
     where both matrices above are the same."""
@@ -91,18 +104,78 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     known = (np.diag(covariance) < 1e12) & (alone > 0.0)
     scale = np.where(known, np.diag(covariance) / np.where(known, alone, 1.0), 1.0)
     covariance = covariance * inflation
-    scattered = not all_given or inflation > 1.0
-    half = 0.5 + CONFIDENCE / 2.0
-    quantile = stdtrit(max(freedom, 1.0), half) if scattered else ndtri(half)
+    of_all = freedom if not all_given or inflation > 1.0 else np.inf
+    of_each = np.full(soil, of_all)
+    if not all_given:
+        of_each = freedom_of_variances(objective, points)
     fisher = _fisher(curvature, variance, soil) / inflation
     return Uncertainty(
         inflation=inflation,
         reduced_chi_square=reduced,
         degrees_of_freedom=freedom,
-        quantile=float(quantile),
+        quantile=_quantile(of_each),
+        quantile_of_all=float(_quantile(of_all)),
         profile_scale=scale,
         **_of_covariance(covariance, fisher),
     )
+
+
+def _quantile(freedom) -> np.ndarray:
+    """Compute Student's quantile, which is the normal one of infinite degrees of
+    freedom."""
+    half = 0.5 + CONFIDENCE / 2.0
+    return np.where(
+        np.isinf(freedom), ndtri(half), stdtrit(np.maximum(freedom, 1.0), half)
+    )
+
+
+def freedom_of_variances(objective: Objective, points: Points) -> np.ndarray:
+    r"""Compute the degrees of freedom of the variances of the soil's parameters, shape
+    (parameters,), by Satterthwaite's rule, 2 mean^2 / variance (1946, Biometrics
+    Bulletin 2, 110).
+
+    With w the part of a variance that each measurement brings, it is
+
+    $$ 1 \Big/ \sum_k \frac{1}{\nu_k} \Big(\sum_{i \text{ of } k} w_i \Big)^2 ,
+       \qquad
+       1 \Big/ \sum_{il} \frac{w_i}{M_{ii}} \frac{w_l}{M_{ll}} M_{il}^2 , $$
+
+    the second for many measurements, whose scatter is estimated test by test (Bell and
+    McCaffrey 2002, Survey Methodology 28, 169; Imbens and Kolesar 2016, Review of
+    Economics and Statistics 98, 701). M is 1 less the hat matrix. Where sigma is given
+    w counts as 0, and the sum of w is below 1.
+    """
+    rows, inverse = hat(objective, points)
+    left = 1.0 - np.sum(rows @ inverse * rows, axis=1)
+    total = np.diag(inverse)[: len(objective.study.parameters)]
+    # A parameter at its bound has no variance.
+    known = total > 0.0
+    parts = (rows @ inverse[:, : len(total)]) ** 2 / np.where(known, total, 1.0)
+    scales = _scales(objective, points)
+    freedom = np.sum(freedom_of_targets(objective, points))
+    if freedom < MANY:
+        spread = sum(np.sum(parts[cells], axis=0) ** 2 / nu for cells, nu in scales)
+    else:
+        estimated = np.any([cells for cells, _ in scales], axis=0)
+        parts[~estimated] = 0.0
+        parts = parts / np.maximum(left, LEAST_LEFT)[:, None]
+        between = [(rows.T * part) @ rows @ inverse for part in parts.T]
+        # The trace of (W M)^2, with M = 1 - B C B^T.
+        spread = (2.0 * left - 1.0) @ parts**2
+        spread += [np.sum(one * one.T) for one in between]
+    return np.where(known, 1.0 / np.maximum(spread, 1e-12), freedom)
+
+
+def _scales(objective: Objective, points: Points) -> list[tuple[np.ndarray, float]]:
+    """List the exact cells, as a mask, from which each factor on sigmas is estimated,
+    and its degrees of freedom, 1 at least."""
+    study, scales = objective.study, []
+    freedom = freedom_of_targets(objective, points)
+    for targets in sharing_scale(study, freedom):
+        of_these = np.isin(np.arange(len(study.targets)), targets)
+        cells = study.exact & np.isfinite(points.predicted[0]) & of_these
+        scales.append((cells.ravel(), max(float(np.sum(freedom[targets])), 1.0)))
+    return scales
 
 
 def _of_covariance(covariance: np.ndarray, fisher: np.ndarray) -> dict:
@@ -180,7 +253,19 @@ def _parts(objective: Objective, points: Points):
     weights = np.where(used, weights_of_cells(study), 0.0)
     curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
     variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
+    if freedom < MANY:
+        variance += _of_estimated_weights(objective, points)
     return curvature, variance, float(np.sum(u[exact] ** 2)), freedom
+
+
+def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:
+    """Compute Kenward and Roger's term of V."""
+    rows, inverse = hat(objective, points)
+    term = np.zeros_like(inverse)
+    for cells, nu in _scales(objective, points):
+        information = rows[cells].T @ rows[cells]
+        term += 4.0 / nu * (information - information @ inverse @ information)
+    return term
 
 
 def _of_loss(objective, u, exact, leverage, freedom):
@@ -195,7 +280,7 @@ def _of_loss(objective, u, exact, leverage, freedom):
         mean_curvature = max(mean_curvature, 0.1 * np.sum(of.curvature[exact]) / count)
     square = np.where(exact, mean_square, of.curvature)
     # Of many measurements the scatter is estimated test by test.
-    if freedom >= 20.0:
+    if freedom >= MANY:
         of_each = of.slope**2 / np.maximum(1.0 - leverage, LEAST_LEFT)
         for target in np.flatnonzero(~study.sigma_given):
             cells = np.zeros(study.known.shape, bool)

@@ -62,24 +62,28 @@ def relative_sigma(
     return np.where(study.proportional, np.nanmedian(ratio, axis=0), np.nan)
 
 
-def leverages(objective: Objective, points: Points) -> np.ndarray:
-    """Compute the degrees of freedom that a fit (points of one lane) takes up of each
-    measurement, shape (tests, targets)."""
+def hat(objective: Objective, points: Points) -> tuple[np.ndarray, np.ndarray]:
+    """Compute B, shape (cells, unknowns), and C of the hat matrix B C B^T, which turns
+    measurements over sigma into predictions over sigma, at a fit (points of one
+    lane)."""
     study = objective.study
     rows, used, u = standardised_rows(objective, points)
     censored = study.censored.ravel()
     curved = np.where(used, losses(u, censored).curvature, 0.0)
-    curved = curved * weights_of_cells(study)
-    matrix = (rows.T * curved) @ rows
-    matrix += np.diag(objective.prior_information(points.x[0]))
+    rows = rows * np.sqrt(curved * weights_of_cells(study))[:, None]
+    matrix = rows.T @ rows + np.diag(objective.prior_information(points.x[0]))
     # An unknown at its bound is fixed, and takes up nothing.
     bounds, x = objective.bounds, points.x[0]
     fixed = (x <= bounds.low) | (x >= bounds.high)
     matrix[fixed, :] = matrix[:, fixed] = 0.0
-    inverse = pseudo_inverse(matrix)
-    return (curved * np.einsum("rp,pq,rq->r", rows, inverse, rows)).reshape(
-        study.known.shape
-    )
+    return rows, pseudo_inverse(matrix)
+
+
+def leverages(objective: Objective, points: Points) -> np.ndarray:
+    """Compute the degrees of freedom that a fit (points of one lane) takes up of each
+    measurement, shape (tests, targets)."""
+    rows, inverse = hat(objective, points)
+    return np.sum(rows @ inverse * rows, axis=1).reshape(objective.study.known.shape)
 
 
 def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
@@ -92,6 +96,15 @@ def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
     exact = objective.study.exact & np.isfinite(points.predicted[0])
     used_up = np.where(exact, leverages(objective, points), 0.0)
     return np.sum(exact, axis=0) - np.sum(used_up, axis=0)
+
+
+def sharing_scale(study: Study, freedom: np.ndarray) -> list[np.ndarray]:
+    """List the targets, by index, whose sigmas are estimated by one factor: each with a
+    degree of freedom alone, all others together."""
+    estimated = ~study.sigma_given
+    alone = estimated & (freedom >= LEAST_FREEDOM)
+    together = np.flatnonzero(estimated & ~alone)
+    return [*np.flatnonzero(alone)[:, None], *([together] if len(together) else [])]
 
 
 def weights_of_cells(study: Study) -> np.ndarray:
@@ -139,16 +152,11 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
         below = max(kappa * left - np.sum(of_limits[targets]), 0.2 * kappa * left)
         return float(np.sqrt(np.sum(of_exact[targets]) / below))
 
-    wanted = ~study.sigma_given
-    alone = wanted & (freedom >= LEAST_FREEDOM)
-    for target in np.flatnonzero(alone):
-        sigma[:, target] *= factor([target])
-    together = np.flatnonzero(wanted & ~alone)
-    if len(together):
-        sigma[:, together] *= factor(together)
+    for targets in sharing_scale(study, freedom):
+        sigma[:, targets] *= factor(targets)
     scale = np.where(study.proportional, 1.0, root_mean_square(study.measured))
     least = LEAST_PART * scale * sizes(study, predicted)
-    return np.where(wanted, np.maximum(sigma, least), sigma)
+    return np.where(study.sigma_given, sigma, np.maximum(sigma, least))
 
 
 def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:

@@ -242,7 +242,8 @@ def draw_profile(
     uncertainty = variant.uncertainty
     bounds = Bounds(*(part[index] for part in variant.bounds))
     # Three standard deviations, or beyond the 95 % interval.
-    most = max(9.0, 1.5 * uncertainty.quantile**2)
+    limit = uncertainty.quantile[index] ** 2
+    most = max(9.0, 1.5 * limit)
     along = bounds.coordinate(profile.values)
     low, high = bounds.parameter(_shown(along, profile.rise, most))
     ends = profile.low_95, profile.high_95
@@ -266,7 +267,7 @@ def draw_profile(
         x = variant.points.x[0, index] + reach * uncertainty.standard_errors[index]
         by_error = bounds.parameter(x)
         axes.plot(by_error, reach**2, "--", color=GREY, label="by the standard error")
-    for level, words in ((1.0, "68 %"), (uncertainty.quantile**2, "95 %")):
+    for level, words in ((1.0, "68 %"), (limit, "95 %")):
         axes.axhline(level, color=VERMILION, linewidth=0.8)
         at: dict[str, Any] = dict(ha="right", va="center", color=VERMILION)
         at["bbox"] = dict(facecolor="white", edgecolor="none", pad=1.0)
