@@ -142,16 +142,15 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
         )
         start_rate = fold.rate_at_start(start, start_rate, end, end_rate, width)
         value, place = peak_of_cubic(start, start_rate, end, end_rate, width)
-        rate = end_rate
         if name in ("tangential_force", "moment"):
             lowest, lowest_place = peak_of_cubic(
                 -start, -start_rate, -end, -end_rate, width
             )
             place = jnp.where(lowest > value, lowest_place, place)
-            rate = jnp.where(lowest > value, -end_rate, end_rate)
             value = jnp.maximum(value, lowest)
+            end_rate = jnp.sign(end) * end_rate
         late_here = jnp.where(place < 1.0, 0.0, late)
-        value = earlier(value, rate, late_here)
+        value = earlier(value, end_rate, late_here)
         when = fold.moved + time + place * width - late_here
         before, before_when = getattr(fold.peaks, name), getattr(fold.peak_times, name)
         higher = value > before
