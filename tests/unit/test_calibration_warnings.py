@@ -184,6 +184,26 @@ def test_sigmas_that_are_guesses_are_called_so():
     assert "(guessed)" in table.rows[0][-1]
 
 
+def test_the_sigma_of_limits_alone_is_a_guess(e_n):
+    """Also where that of another target is estimated."""
+    limits = [f"<{1.1 * value}" for value in e_n]
+    for tests in (
+        {"speed_mps": SPEEDS, "angle_deg": ANGLES, "e_n": limits},
+        columns(e_n) | {"e_t": [">0.1"] * 6},
+    ):
+        found, result = doubts(tests, parameters={"k_E": {}})
+        (words,) = [line for line in found if "only limits are known" in line]
+        name = "e_n" if "e_t" not in tests else "e_t"
+        assert words.startswith(f"Of {name} only limits")
+        assert f"State it, as sigma_{name} in the table or as default_sigma." in words
+        assert not any("too few measurements to estimate" in line for line in found)
+        table = target_table(result, result.variants[0], NOTHING_ELSE)
+        row = dict(zip(table.columns, table.rows[-1], strict=True))
+        assert row["sigma"].endswith("(guessed)")
+    given, _ = doubts(tests, default_sigma={"e_t": 0.05}, parameters={"k_E": {}})
+    assert not any("only limits" in line for line in given)
+
+
 @pytest.mark.parametrize(("sigma", "too_large"), [(0.002, False), (0.5, True)])
 def test_sigmas_that_are_far_too_large_are_called_so(e_n, sigma, too_large):
     """Of six values that scatter by about 0.002."""
