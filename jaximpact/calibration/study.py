@@ -14,6 +14,7 @@ from .diagnostics.identifiability import (
     profile_all,
 )
 from .diagnostics.jumps import Judged, judge
+from .diagnostics.priors import disagreements
 from .diagnostics.results import StudyResult, VariantResult
 from .diagnostics.scatter import CLEAR, evidence_of_proportional
 from .estimation.evolution import Population
@@ -146,7 +147,9 @@ def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
         failed=int(np.sum(objective.failed(point.predicted[0]))),
         uncertainty=uncertainty,
         verdicts=judge_all(
-            *(objective, best, uncertainty, by_name, ends), of_draws=judged.of_draws
+            *(objective, best, uncertainty, by_name, ends),
+            disagreements(objective, best),
+            of_draws=judged.of_draws,
         ),
         directions=directions(soil, objective.bounds, uncertainty),
         profiles=by_name,

@@ -34,6 +34,9 @@ UNITS = {
 GAP = 0.002
 """Largest distance between ends of lines that are joined [m]: coordinates rounded to a
 millimetre are as much apart."""
+SAME_DIGITS = 6
+"""Decimals of metres up to which two lines agree that are one, drawn twice: a line that
+was moved there and back differs by a rounding."""
 
 
 class Line(NamedTuple):
@@ -54,7 +57,7 @@ def read_dxf_points(
     blocks; arcs are cut to chords. Where the line is closed, as around a section that
     is drawn as an area, the profile is its upper part. The drawing's unit ($INSUNITS)
     is converted to metres; a drawing without a unit is in metres. The layer is needed
-    if lines on several do not join.
+    if lines on several do not join. A line that is drawn twice is taken once.
 
     Warns of a converted unit, of a closed line, of gaps that are closed, and of
     entities that are not read.
@@ -65,7 +68,7 @@ def read_dxf_points(
     Raises InputError, naming the file, for whatever makes no single line.
     """
     path = Path(path)
-    lines = _read_lines(path, layer)
+    lines = _each_once(_read_lines(path, layer))
     chains = _chains(lines)
     if len(chains) > 1:
         raise InputError(_not_joined(lines, chains), file=path)
@@ -234,6 +237,16 @@ def _flat(path: Path, layer: str, points: np.ndarray) -> np.ndarray:
         )
     moved = np.any(np.diff(points[:, :2], axis=0) != 0.0, axis=1)
     return points[np.append(True, moved), :2]
+
+
+def _each_once(lines: list[Line]) -> list[Line]:
+    """Leave out lines that have the points of an earlier one, in either direction."""
+    first: dict[bytes, Line] = {}
+    for line in lines:
+        points = np.round(line.points, SAME_DIGITS) + 0.0  # as -0.0 has other bits
+        bits = min(points.tobytes(), points[::-1].tobytes())
+        first.setdefault(bits, line)
+    return [*first.values()]
 
 
 def _chains(lines: list[Line]) -> list[list[int]]:

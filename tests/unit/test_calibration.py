@@ -537,7 +537,7 @@ def test_errors_beside_a_jump_are_those_of_the_posterior():
     errors = np.sqrt(np.diag(expected))
     stuck = best._replace(reasons=[Reason.stuck])
     for of_draws in (False, True):
-        judgement = objective, stuck, judged.uncertainty, {}, stuck
+        judgement = objective, stuck, judged.uncertainty, {}, stuck, {}
         verdicts = judge_all(*judgement, of_draws=of_draws)
         assert all(verdict.determined == of_draws for verdict in verdicts)
     smooth = judged.smooth.reevaluate(best.points)

@@ -184,6 +184,26 @@ def test_sigmas_that_are_guesses_are_called_so():
     assert "(guessed)" in table.rows[0][-1]
 
 
+def test_the_sigma_of_limits_alone_is_a_guess(e_n):
+    """Also where that of another target is estimated."""
+    limits = [f"<{1.1 * value}" for value in e_n]
+    for tests in (
+        {"speed_mps": SPEEDS, "angle_deg": ANGLES, "e_n": limits},
+        columns(e_n) | {"e_t": [">0.1"] * 6},
+    ):
+        found, result = doubts(tests, parameters={"k_E": {}})
+        (words,) = [line for line in found if "only limits are known" in line]
+        name = "e_n" if "e_t" not in tests else "e_t"
+        assert words.startswith(f"Of {name} only limits")
+        assert f"State it, as sigma_{name} in the table or as default_sigma." in words
+        assert not any("too few measurements to estimate" in line for line in found)
+        table = target_table(result, result.variants[0], NOTHING_ELSE)
+        row = dict(zip(table.columns, table.rows[-1], strict=True))
+        assert row["sigma"].endswith("(guessed)")
+    given, _ = doubts(tests, default_sigma={"e_t": 0.05}, parameters={"k_E": {}})
+    assert not any("only limits" in line for line in given)
+
+
 @pytest.mark.parametrize(("sigma", "too_large"), [(0.002, False), (0.5, True)])
 def test_sigmas_that_are_far_too_large_are_called_so(e_n, sigma, too_large):
     """Of six values that scatter by about 0.002."""
@@ -223,6 +243,37 @@ def test_a_search_that_missed_the_best_fit_is_said(e_n):
     assert words.startswith("The search did not find the best fit")
     (words,) = warnings_of(result, variant._replace(agreed=3), NOTHING_ELSE)
     assert words.startswith(f"Only 3 of {variant.members} members")
+
+
+@pytest.mark.parametrize("sigma", [{}, {"default_sigma": {"e_n": 0.003}}])
+@pytest.mark.parametrize(("mean", "sd"), [(300.0, 20.0), (1800.0, 100.0)])
+def test_a_prior_that_the_tests_contradict(e_n, mean, sd, sigma):
+    """Also where the estimated scatter is so wide for its sake that the fit is at the
+    prior."""
+    free = fit_study(study(columns(e_n), parameters={"k_E": {}}, **sigma)).variants[0]
+    given, error = free.parameters[0], free.standard_error(0)
+    prior = {"k_E": {"prior": {"mean": mean, "sd": sd}}}
+    _, result = doubts(columns(e_n), parameters=prior, **sigma)
+    (verdict_of_fit,) = result.variants[0].verdicts
+    assert not verdict_of_fit.determined
+    apart = abs(given - mean) / np.hypot(error, sd)
+    said = f"its prior, {mean:g} +- {sd:g}, and the tests disagree by "
+    assert verdict_of_fit.reason.startswith(said)
+    deviations = float(verdict_of_fit.reason.removeprefix(said).split()[0])
+    np.testing.assert_allclose(deviations, apart, rtol=0.1)
+    assert f"without the prior they give {given:.3g} +- " in verdict_of_fit.reason
+    assert "add no information" not in verdict_of_fit.reason
+    assert "Tests and priors contradict each other." in first_words(result)
+
+
+def test_a_prior_that_the_tests_agree_with_is_no_reason(e_n):
+    for mean, sd in ((660.0, 20.0), (720.0, 60.0), (690.0, 1.0)):
+        prior = {"k_E": {"prior": {"mean": mean, "sd": sd}}}
+        result = fit_study(
+            study(columns(e_n), default_sigma={"e_n": 0.01}, parameters=prior)
+        )
+        (verdict_of_fit,) = result.variants[0].verdicts
+        assert "disagree" not in verdict_of_fit.reason
 
 
 def test_draws_that_all_count_do_not_make_a_bound_normal():

@@ -73,10 +73,37 @@ def test_a_polyline_is_a_profile(drawing, tmp_path, draw, layer):
     np.testing.assert_array_equal(y, Y)
 
 
-def test_a_line_that_is_drawn_twice_is_one(drawing, tmp_path):
-    for start, end in (POINTS[:2], POINTS[1::-1]):
-        drawing.modelspace().add_line(start, end)
-    np.testing.assert_array_equal(read(drawing, tmp_path)[0], X[:2])
+def drawn_again(space, *lines):
+    """The profile as two lines and more, each by the numbers of its points."""
+    for start, end in ((0, 1), (1, 2), *lines):
+        space.add_line(POINTS[start], POINTS[end])
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda space: drawn_again(space, (0, 1)),
+        lambda space: drawn_again(space, (1, 0)),
+        lambda space: drawn_again(space, (1, 2)),
+        lambda space: drawn_again(space, (2, 1), (0, 1), (0, 1), (1, 2)),
+        lambda space: [space.add_lwpolyline(POINTS[::by]) for by in (1, 1, 1)],
+        lambda space: [space.add_lwpolyline(POINTS[::by]) for by in (1, -1)],
+        lambda space: [
+            space.add_lwpolyline(POINTS, dxfattribs={"layer": layer})
+            for layer in ("T", "COPY")
+        ],
+        lambda space: [
+            space.add_lwpolyline([(x + by, y - by) for x, y in POINTS])
+            for by in (0.0, 1e-9)
+        ],
+    ],
+)
+def test_a_line_that_is_drawn_twice_is_one(drawing, tmp_path, draw):
+    """In either direction, on another layer, or moved by a rounding."""
+    draw(drawing.modelspace())
+    x, y = read(drawing, tmp_path)
+    np.testing.assert_array_equal(x, X)
+    np.testing.assert_array_equal(y, Y)
 
 
 def test_lines_in_any_order_are_joined(tmp_path):

@@ -204,6 +204,12 @@ def warnings_of(
     return lines
 
 
+def limits_alone(study: Study) -> np.ndarray:
+    """Find the targets whose sigma is not given and of which only limits are known,
+    shape (targets,)."""
+    return ~study.sigma_given & ~np.any(study.exact, axis=0)
+
+
 def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
     """Warn of a misfit above or far below the given sigmas, of few tests, and of tests
     that count twice."""
@@ -233,7 +239,16 @@ def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
             f"{freedom_text(freedom)} degrees of freedom are left: too few to judge "
             "how good the fit is."
         )
-    if freedom < LEAST_FREEDOM and not np.all(study.sigma_given):
+    limits = limits_alone(study)
+    for target in np.flatnonzero(limits):
+        name = study.targets[target]
+        guess = np.median(variant.sigma[study.known[:, target], target])
+        lines.append(
+            f"Of {name} only limits are known, and limits show no scatter: its sigma, "
+            f"{guess:.3g}, is a guess, from which standard errors and intervals "
+            f"follow. State it, as sigma_{name} in the table or as default_sigma."
+        )
+    if freedom < LEAST_FREEDOM and not np.all(study.sigma_given | limits):
         lines.append(
             "There are too few measurements to estimate their errors: standard errors "
             "follow from the nominal sigmas, a guess."

@@ -24,6 +24,7 @@ from ..estimation.least_squares import ROUGH, Fits
 from ..estimation.search import fit
 from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
+from .priors import Disagreement
 from .uncertainty import USELESS_ERROR, Uncertainty
 
 NEAR = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
@@ -264,6 +265,8 @@ class Verdict(NamedTuple):
     """Whether the parameter is identifiable from the tests."""
     reason: str
     """Reason why not; empty for an identifiable parameter."""
+    contradicted: bool = False
+    """Whether its prior and the tests disagree, the first reason then."""
 
 
 def interval_text(low: float | None, high: float | None) -> str:
@@ -281,6 +284,7 @@ def judge_all(
     uncertainty: Uncertainty,
     profiles: dict[str, LikelihoodProfile],
     ends: Fits,
+    contradicted: dict[str, Disagreement],
     *,
     of_draws: bool = False,
 ) -> list[Verdict]:
@@ -289,6 +293,7 @@ def judge_all(
     Args:
         best: the reported fit, of one lane.
         ends: ends of the fits from all starts.
+        contradicted: priors that the tests contradict, by parameter.
         of_draws: whether the uncertainty is that of draws of the posterior, which has a
             meaning where the fit is no minimum too.
     """
@@ -298,6 +303,9 @@ def judge_all(
     verdicts = []
     for place, parameter in enumerate(objective.study.parameters):
         error, reasons = float(uncertainty.standard_errors[place]), []
+        against = contradicted.get(parameter.name)
+        if against is not None:
+            reasons.append(against.words)
         if bound := reached[place]:
             value = getattr(bounds, bound)[place]
             reasons.append(f"the fit is at its {bound} bound, {value:g}")
@@ -310,7 +318,8 @@ def judge_all(
         if error > USELESS_ERROR:
             others_too = partners(objective, uncertainty, place)
             reasons.append(_large_error(error, others_too))
-        if prior[place] > 0.0 and error > 0.9 / np.sqrt(prior[place]):
+        no_news = prior[place] > 0.0 and error > 0.9 / np.sqrt(prior[place])
+        if no_news and against is None:
             reasons.append("the tests add no information to its prior")
         if profile := profiles.get(parameter.name):
             reasons += _of_profile(profile, bool(reasons))
@@ -323,7 +332,8 @@ def judge_all(
                 f"fits of equal cost ended between {np.min(values):.3g} and "
                 f"{np.max(values):.3g}"
             )
-        verdicts.append(Verdict(parameter.name, not reasons, "; ".join(reasons)))
+        words, is_against = "; ".join(reasons), against is not None
+        verdicts.append(Verdict(parameter.name, not reasons, words, is_against))
     return verdicts
 
 

@@ -17,7 +17,7 @@ from ...io.toml import (
 from ...quantities import LABEL_COLUMNS, InputColumn
 from .dataset import CAMPAIGN, Measurements
 from .expressions import Tied, read_tied
-from .nuisance import EACH_TEST, Nuisance, Prior, pooled_nuisance, read_prior
+from .nuisance import EACH_TEST, REACH, Nuisance, Prior, pooled_nuisance, read_prior
 
 FITTED = "c_v", "gamma_v", "k_E"
 """Parameters that are fitted by default."""
@@ -139,6 +139,14 @@ def _parameter(
             f"must lie between {values['lower']:g} and {values['upper']:g}, but "
             f"{usual} {values['start']:g}"
         )
+    if prior is not None:
+        nearest = min(max(prior.mean, values["lower"]), values["upper"])
+        if abs(prior.mean - nearest) > REACH * prior.sd:
+            raise key["prior"].error(
+                f"must not lie more than {REACH:g} standard deviations beyond "
+                f"the bounds, {values['lower']:g} and {values['upper']:g}, but is "
+                f"{prior.mean:g} +- {prior.sd:g}"
+            )
     return Parameter(name, **values, prior=prior)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
+from ...io.scene_table import MOST_MEASURED
 from ...io.toml import Key, check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS
 from .dataset import Measurements
@@ -19,7 +20,8 @@ from .dataset import Measurements
 EACH_TEST = "row"
 """Value of `by` for groups of one test each."""
 REACH = 5.0
-"""Half range of the search in standard deviations of the prior."""
+"""Half range of the search in standard deviations of the prior: no value farther off is
+meant by it."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,9 +63,20 @@ def read_prior(key: Key, entry, mean: float | None = None) -> Prior:
         if values.get(name) is None:
             raise key[name].error("is missing")
         values[name] = number(key[name], values[name])
-    if not values["sd"] > 0.0:
-        raise key["sd"].error(f"must be above 0, but is {values['sd']:g}")
+    values["sd"] = read_size(key["sd"], values["sd"])
     return Prior(**values)
+
+
+def read_size(key: Key, value) -> float:
+    """Read a number above 0, like a standard deviation, of which costs have the
+    square: as large or small as one in a table."""
+    size = number(key, value, above=0.0)
+    if not 1.0 / MOST_MEASURED <= size <= MOST_MEASURED:
+        raise key.error(
+            f"must be from {1.0 / MOST_MEASURED:g} to {MOST_MEASURED:g}, but is "
+            f"{size:g}"
+        )
+    return size
 
 
 def read_nuisances(

@@ -129,6 +129,11 @@ class Objective:
         """Return the objective with another loss, one of `LOSSES`."""
         return self._changed(loss=loss)
 
+    def without_prior(self, place: int) -> "Objective":
+        """Return the objective without the prior of an unknown, by its index."""
+        others = np.arange(len(self.prior_sd)) != place
+        return self._changed(prior_sd=np.where(others, self.prior_sd, np.inf))
+
     def without(self, tests: np.ndarray) -> "Objective":
         """Return the objective without the measurements of some tests, which are still
         predicted.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import InputError, did_you_mean
-from ...io.toml import Key, choice, number, typed, unknown
+from ...io.toml import Key, choice, typed, unknown
 from ...quantities import (
     CURVE_COLUMNS,
     CURVE_FILE,
@@ -13,7 +13,7 @@ from ...quantities import (
 )
 from .dataset import Measurements
 from .noise import PROPORTIONAL, SCATTERS, least_size, root_mean_square
-from .nuisance import Nuisance
+from .nuisance import Nuisance, read_size
 
 NOMINAL_SIGMA = 0.05
 """Nominal sigma, where none is given, over a target's root mean square, or over each
@@ -33,7 +33,7 @@ def read_targets(
     proportional = _proportional(top, content, targets, sigma_given)
     measured = np.stack([tests.measured[name] for name in targets], axis=1)
     size = np.fmax(np.abs(measured), least_size(measured))
-    weights = _of_targets(top, content, "weights")
+    weights = _of_targets(top, content, "weights", targets)
     return dict(
         targets=targets,
         measured=measured,
@@ -93,27 +93,25 @@ def _targets(top: Key, content: dict, tests: Measurements, nuisances):
     return tuple(targets)
 
 
-def _of_targets(top: Key, content: dict, table: str) -> dict[str, float]:
-    """Read a table of positive numbers for results."""
+def _of_targets(
+    top: Key, content: dict, table: str, targets: tuple[str, ...]
+) -> dict[str, float]:
+    """Read a table of positive numbers for targets."""
     values = typed(top, content, table, dict, {})
     for name, value in values.items():
         if name not in TARGET_COLUMNS:
             raise unknown(top[table], name, TARGET_COLUMNS)
-        key = top[table][name]
-        if not number(key, value) > 0.0:
-            raise key.error(f"must be above 0, but is {value}")
+        read_size(top[table][name], value)
+        if name not in targets:
+            raise top[table][name].error(
+                f"is for a result that is not fitted; targets are {', '.join(targets)}"
+            )
     return values
 
 
 def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
     """Collect sigmas (tests, targets), and the mask of targets with given ones."""
-    defaults = _of_targets(top, content, "default_sigma")
-    for name in defaults:
-        if name not in targets:
-            raise top["default_sigma"][name].error(
-                f"is a sigma of a result that is not fitted; targets are "
-                f"{', '.join(targets)}"
-            )
+    defaults = _of_targets(top, content, "default_sigma", targets)
     columns, is_given = [], []
     for name in targets:
         measured = tests.measured[name]

@@ -18,6 +18,7 @@ from ..diagnostics.examination import (
     Examination,
     fit_of_target,
     freedom_text,
+    limits_alone,
     warnings_of,
 )
 from ..diagnostics.residuals import Bias, Residuals, rms
@@ -181,10 +182,11 @@ def target_table(
     limits = bool(np.any(study.known & (study.censored != 0)))
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
+    guessed = limits_alone(study)
     rows: list[dict[str, object]] = []
     for target, name in enumerate(study.targets):
         values = fit_of_target(result, variant, target)
-        origin = "guessed" if few else "estimated"
+        origin = "guessed" if few or guessed[target] else "estimated"
         origin = "given" if study.sigma_given[target] else origin
         sigma = variant.sigma[study.known[:, target], target]
         size = f"{np.median(sigma):.3g}"

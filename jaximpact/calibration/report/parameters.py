@@ -29,7 +29,7 @@ def verdict(
 ) -> list[str]:
     """List which parameters are identifiable, with their intervals, and which not;
     first of all what the model misses."""
-    known, unknown = [], []
+    known, unknown, contradicted = [], [], []
     for index, of_one in enumerate(variant.verdicts):
         if of_one.determined:
             low, high = variant.interval(index)
@@ -37,6 +37,8 @@ def verdict(
                 f"{of_one.name} = {variant.parameters[index]:.3g} "
                 f"(95 %: {low:.3g} to {high:.3g})"
             )
+        elif of_one.contradicted:
+            contradicted.append(f"{of_one.name} is not determined: {of_one.reason}.")
         else:
             unknown.append(
                 f"{of_one.name} is not identifiable from these tests: {of_one.reason}."
@@ -44,6 +46,8 @@ def verdict(
     name = f"{variant.variant.name}: " if len(result.variants) > 1 else ""
     missed, little = _missed(result, variant, residuals)
     first = "No parameter is identifiable by itself."
+    if contradicted and not unknown:
+        first = "Tests and priors contradict each other."
     if known:
         first = f"The tests identify {', '.join(known)}."
         if missed:
@@ -56,12 +60,12 @@ def verdict(
             first = (
                 f"If that is scatter of the tests, they identify {', '.join(known)}."
             )
-    lines = [name + " ".join((*missed, *little, first)), *unknown]
+    lines = [name + " ".join((*missed, *little, first)), *contradicted, *unknown]
     if unknown and variant.uncertainty.eigenvalues[-1] * USELESS_ERROR**2 > 1.0:
         lines.append(f"Best identifiable combination: {variant.directions[0]}.")
     elif unknown:
         lines.append("No combination of them is identifiable either.")
-    if unknown and known:
+    if (unknown or contradicted) and known:
         fixed = ", ".join(v.name for v in variant.verdicts if not v.determined)
         lines.append(
             "The standard errors of the others hold near this fit only: they depend on "

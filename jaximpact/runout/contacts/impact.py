@@ -369,6 +369,10 @@ def _travelled(
     most = jnp.where(ends, dissipated / jnp.where(ends, up, 1.0), 1.0)
     free = jnp.minimum(free, most)
     lost = weight * jnp.maximum((free - 1.0) * settled.along_y, 0.0)
+    # A block that turned onto a lower side comes down onto it as far as it is free.
+    held_y = rise_y - after.rise * jnp.cos(struck.slope)
+    is_held = held_y > IN_THE_GROUND * constants.outline.smallest  # not for rounding
+    lost += jnp.where(is_held, weight * held_y, 0.0)
     left = jnp.maximum(kinetic - lost, 0.0)
     kept = left / jnp.where(kinetic > 0.0, kinetic, 1.0)
     kept = jnp.sqrt(jnp.where(lost > 0.0, kept, 1.0))

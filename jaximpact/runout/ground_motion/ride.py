@@ -42,6 +42,7 @@ from .conditions import (
     Bend,
     Conditions,
     MotionAhead,
+    Passage,
     Riders,
     conditions_on,
     find_hops,
@@ -56,6 +57,9 @@ trajectory together. It is a parabola, which follows a curve: it lies apart from
 path by two hundredths of the radius, or 1 mm, at most."""
 SMALL_PART = 0.25
 """Part of these up to which an element, or a corner, is small."""
+SPEED_KEPT = 0.03
+"""Relative error of the squared speed at the end of a piece of two elements up to which
+they are one: that of the largest arc and a long segment behind it."""
 
 
 class Event(enum.IntEnum):
@@ -413,7 +417,7 @@ def _pieces(
         length: of the elements passed [m].
     """
     h = riders.radius[:, None]
-    begins = _begin_pieces(ahead, conditions.turn, length, h) & done
+    begins = _begin_pieces(ahead, conditions, length, h) & done
     rider, one = np.nonzero(begins)
     two = _last_of_pieces(begins, done)[rider, one]
     kept = time[rider, two + 1] > time[rider, one]
@@ -449,11 +453,11 @@ def _pieces(
 
 
 def _begin_pieces(
-    ahead: Ahead, turn: np.ndarray, length: np.ndarray, h: np.ndarray
+    ahead: Ahead, conditions: Conditions, length: np.ndarray, h: np.ndarray
 ) -> np.ndarray:
     """Tell which elements begin a piece: small ones go on with the piece before, as
     long as they do not turn or lead too far."""
-    arc = ~ahead.is_segment
+    arc, turn = ~ahead.is_segment, conditions.turn
     longest = np.clip(PIECE_LENGTH * h, 0.5, 2.5)  # [m]
     small = turn < SMALL_PART * PIECE_TURN
     small &= length < SMALL_PART * longest
@@ -465,9 +469,34 @@ def _begin_pieces(
     # An arc and the long segment behind it are one piece, where they lie close enough.
     pair = arc[:, :-1] & ~arc[:, 1:] & ~small[:, 1:]
     pair &= turn[:, :-1] * length[:, 1:] < PIECE_TURN * longest
+    rows, columns = np.nonzero(pair)
+    pair[rows, columns] = _keep_speed(
+        _at(ahead, rows, columns),
+        _at(conditions.passage, rows, columns),
+        _at(ahead, rows, columns + 1),
+        _at(conditions.passage, rows, columns + 1),
+    )
     begins[:, :-1] |= pair
     begins[:, 1:] &= ~pair
     return begins
+
+
+def _keep_speed(
+    one: Ahead, over_one: Passage, two: Ahead, over_two: Passage
+) -> np.ndarray:
+    """Tell where an element and the next as one piece end at the speed that the block
+    has there, nearly: not if a sharp corner between them is passed over, or if a block
+    starts from rest on an arc, which accelerates it less than the segment does."""
+    moves = (over_one.duration > 0.0) & (over_two.duration > 0.0)
+    time = np.where(moves, over_one.duration + over_two.duration, 1.0)
+    last = np.where(moves, over_two.duration, 1.0)
+    speed = 2.0 * over_two.length / last - over_two.speed
+    begun_x = over_one.speed * one.start_normal_y
+    begun_y = -over_one.speed * one.start_normal_x
+    end_x = 2.0 * (two.stop_x - one.start_x) / time - begun_x
+    end_y = 2.0 * (two.stop_y - one.start_y) / time - begun_y
+    change = end_x**2 + end_y**2 - speed**2
+    return moves & (np.abs(change) <= SPEED_KEPT * speed**2)
 
 
 def _last_of_pieces(begins: np.ndarray, passed: np.ndarray) -> np.ndarray:

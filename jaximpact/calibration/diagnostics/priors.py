@@ -1,0 +1,78 @@
+r"""Priors that the tests contradict.
+
+Without the prior of a parameter the fit has a cost C_0; with it, and with the sigmas of
+that fit, C_1. Of a linear model with Gaussian scatter
+
+$$ z = \sqrt{2 \, (C_1 - C_0) / s^2}
+   = |\hat p_0 - m| / \sqrt{\sigma_0^2 + \sigma_m^2} $$
+
+is the distance of the estimate p_0 from the tests alone and the mean m of the prior in
+standard deviations of both, with s^2 the inflation of that fit. The sigmas must not be
+those of the fit with the prior: estimated from residuals that the prior causes, they
+are so wide that nothing contradicts it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...progress import within
+from ..estimation.least_squares import Fits
+from ..estimation.search import fit, fit_along
+from ..estimation.sigma import settle
+from ..problem.objective import Objective
+from .uncertainty import USELESS_ERROR, estimate
+
+LEAST = 3.0
+"""Number of standard deviations from which prior and tests disagree; where sigmas are
+estimated, from the 95 % quantile of Student's distribution if that is more."""
+
+
+class Disagreement(NamedTuple):
+    """Disagreement of the prior of a parameter and the tests."""
+
+    deviations: float
+    """Distance of both, in standard deviations."""
+    words: str
+    """The same in words, with what the tests give without the prior."""
+
+
+def disagreements(objective: Objective, best: Fits) -> dict[str, Disagreement]:
+    """Find the priors of the soil's parameters that the tests contradict, by name.
+
+    Args:
+        best: the reported fit, of one lane.
+    """
+    found = {}
+    for place, parameter in enumerate(objective.study.parameters):
+        if parameter.prior is None:
+            continue
+        with within(f"without the prior of {parameter.name}, "):
+            disagreement = _disagreement(objective, best, place)
+        if disagreement is not None:
+            found[parameter.name] = disagreement
+    return found
+
+
+def _disagreement(objective: Objective, best: Fits, place: int) -> Disagreement | None:
+    x = best.points.x[0]
+    free = objective.without_prior(place)
+    free, alone = settle(free, fit_along(free, x), fit_along)
+    of_tests = estimate(free, alone.points)
+    with_prior = objective.with_sigma(free.sigma)
+    ends = fit(with_prior, np.stack([x, alone.points.x[0]]))
+    rise = np.min(ends.points.cost) - alone.points.cost[0]
+    deviations = float(np.sqrt(max(2.0 * rise / of_tests.inflation, 0.0)))
+    if deviations < max(LEAST, of_tests.quantile[place]):
+        return None
+    there, bounds = alone.points.x[0], objective.bounds
+    given = f"{bounds.parameter(there)[place]:.3g}"
+    error = of_tests.standard_errors[place]
+    if error <= USELESS_ERROR:
+        given += f" +- {error * bounds.slope(there)[place]:.2g}"
+    mean, sd = objective.prior_mean[place], objective.prior_sd[place]
+    words = (
+        f"its prior, {mean:g} +- {sd:g}, and the tests disagree by {deviations:.2g} "
+        f"standard deviations: without the prior they give {given}"
+    )
+    return Disagreement(deviations, words)
