@@ -300,14 +300,13 @@ def test_xla_samples_the_same(monkeypatch):
     """Where there is no machine code. Steps differ by roundings, which the control of
     steps makes larger, so that forces differ by the error of the steps."""
 
-    def found():
-        result = simulate(VERTICAL, save_at=TIMES, accuracy="fast")
-        return result.history.normal_force / result.max_normal_force
+    def result(times):
+        return simulate(VERTICAL, save_at=times, accuracy="fast")
 
-    native = found()
+    native = result(TIMES)
     monkeypatch.setattr(kernel_choice, "computes_on_cpu", lambda: False)
-    np.testing.assert_allclose(found(), native, rtol=0.0, atol=1e-6)
-    end = simulate(VERTICAL, accuracy="fast").duration
-    times = np.full_like(TIMES, float(end) * (1.0 + 1e-12))
-    at_end = simulate(VERTICAL, save_at=times, accuracy="fast")
+    found = result(TIMES)
+    forces = (of.history.normal_force / of.max_normal_force for of in (found, native))
+    np.testing.assert_allclose(*forces, rtol=0.0, atol=1e-6)
+    at_end = result(np.full_like(TIMES, float(found.duration) * (1.0 + 1e-12)))
     assert at_end.history.in_contact.all()
