@@ -36,7 +36,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...scene import GRAVITY
-from ..centre_path import Ahead, CentrePath, in_small_turns
+from ..centre_path import LEFT_BEHIND, Ahead, CentrePath, in_small_turns
 from ..trajectory import MotionMode, Pieces
 from .conditions import (
     Bend,
@@ -99,7 +99,7 @@ class Ride(NamedTuple):
     next_normal_x: np.ndarray  # normal behind the corner at the end
     next_normal_y: np.ndarray
     friction: np.ndarray  # tangent of the angle of friction on the element there
-    moved: np.ndarray  # true where the ride took time
+    moved: np.ndarray  # true where the ride led on, by more than rounding
     turned: np.ndarray  # by rolling [rad], in the direction of motion
     passed: np.ndarray  # x in the mirror up to which corners are passed over [m]
 
@@ -173,6 +173,7 @@ def ride(
         ),
         time=time[rows, last],
     )
+    way = np.abs(end.x - begin.x) + np.abs(end.y - begin.y)
     ridden = Ride(
         riders=riders,
         event=event,
@@ -182,7 +183,7 @@ def ride(
         next_normal_x=ahead.next_normal_x[rows, here],
         next_normal_y=ahead.next_normal_y[rows, here],
         friction=_friction_on(path, friction_of, end.element),
-        moved=end.time > begin.time,
+        moved=way > LEFT_BEHIND * riders.radius,
         turned=turned[rows, last],
         passed=passed,
     )
