@@ -15,7 +15,8 @@ from diffrax import AbstractAdaptiveSolver
 
 from .._jax_internals import broadcast_shapes
 from ..accuracy import MAX_STEPS, Accuracy
-from ..impact.problem import Assembly, assemble, pose
+from ..impact.events import TIME_LIMIT
+from ..impact.problem import Assembly, assemble, is_in_range, pose
 from ..impact.results import History, ImpactSummary, Solution, history_at
 from ..integrator.batched import march_and_sample, start_lanes
 from ..integrator.diffrax_solvers import require_derivatives
@@ -34,7 +35,9 @@ def compute(
 ) -> ImpactSummary:
     """Compute one impact; pure, differentiable in forward mode."""
     problem, vector = pose(scene, assembly, tolerance, floor)
-    return summarise(scene, problem, integrate(problem, vector, solver))
+    # Values out of their range may take every step there is.
+    until = jnp.where(is_in_range(scene), TIME_LIMIT, 0.0)
+    return summarise(scene, problem, integrate(problem, vector, solver, until))
 
 
 def compute_at(

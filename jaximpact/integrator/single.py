@@ -210,14 +210,18 @@ def integrate(
     problem: Problem,
     vector: Float[Array, " n"],
     solver: diffrax.AbstractAdaptiveSolver | None = None,
+    until: Scalar | float = TIME_LIMIT,
 ) -> End:
     """Integrate from touch to end. Differentiable in forward mode.
 
     Args:
+        until: time at which it is given up [s]; 0 for what is not to be integrated.
         solver: one that `diffrax_solvers.usable_solver` has completed; None for the
             package's method.
     """
-    solution = diffrax.diffeqsolve(**diffrax_arguments(problem, vector, solver))
+    arguments: dict[str, Any] = diffrax_arguments(problem, vector, solver)
+    arguments["t1"] = until
+    solution = diffrax.diffeqsolve(**arguments)
     times: Any = solution.ts
     event = solution.result == diffrax.RESULTS.event_occurred
     return end_of(
