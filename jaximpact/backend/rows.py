@@ -24,7 +24,7 @@ from ..accuracy import Accuracy
 from ..identity import tracing
 from ..impact.dynamics import LedgerItems
 from ..impact.problem import Assembly
-from ..impact.reduced_models import MODELS, exact_models
+from ..impact.reduced_models import exact_for_all, exact_models
 from ..impact.results import Solution
 from . import MACHINE_CODE, XLA
 from .kernel_choice import choose, groups_of_leaves
@@ -253,7 +253,7 @@ def _by_xla(
     known = [np.asarray(x) for x in wanted.leaves(known, varied)]
     scene = jax.tree.unflatten(wanted.structure, known)
     _, possible = exact_models(scene)
-    assembly = Assembly(wanted.structure, MODELS[max(possible)], wanted.ledger)
+    assembly = Assembly(wanted.structure, exact_for_all(possible), wanted.ledger)
     program: Callable = functools.partial(
         in_xla, assembly, tuple(varied), wanted.engine.solver
     )

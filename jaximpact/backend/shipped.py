@@ -19,7 +19,7 @@ import jax
 
 from ..impact.dynamics import ARM
 from ..impact.problem import Assembly
-from ..impact.reduced_models import MODELS, PLANAR
+from ..impact.reduced_models import MODELS, PLANAR, ROUND
 from ..laws import DeepestPoint, WorkConjugate
 from ..scene import Scene, Soil
 from .simd import LEVELS, MOST_DIRECTIONS, Code, host
@@ -44,6 +44,7 @@ def usual_impacts() -> Iterator[tuple[Assembly, int, bool]]:
         yield Assembly(structure, model, False), MOST_DIRECTIONS, False
     for kinematics in (DeepestPoint(), WorkConjugate()):
         structure = jax.tree.structure(Scene(soil=Soil(kinematics=kinematics)))
+        yield Assembly(structure, ROUND, ARM), 0, False
         yield Assembly(structure, PLANAR, ARM), 0, False
 
 

@@ -210,6 +210,8 @@ class Problem(eqx.Module):
             return function(motion, contact(self.ground, motion, forces, branch))
 
         absent = [place for place, n in enumerate(names) if n not in model.unknowns]
+        if not absent and not model.is_round:
+            return of_all(*rows)
         return leave_out_known(of_all, dict.fromkeys(absent, 0.0))(*rows)
 
     def rates(
@@ -321,6 +323,8 @@ def pose(
 ) -> tuple[Problem, Float[Array, " n"]]:
     """Make the initial value problem of a scene, and its initial state."""
     ground = prepare(scene)
+    if assembly.model.is_round:
+        ground = ground._replace(shape=scene.block.shape.when_round())
     motion = initial_motion(scene)
     radius = ground.axes.minor
     speed = scene.impact.speed

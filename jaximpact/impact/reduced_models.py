@@ -30,6 +30,10 @@ class Model(NamedTuple):
     unknowns: tuple[str, ...]
     """Fields of `Motion`, then with dashpots those of `FORCES`."""
 
+    is_round: bool = False
+    """Whether the block's section in the plane of motion is a circle: nothing depends
+    on its orientation, and all arms but that of the tangential force are zero."""
+
     @property
     def damped(self) -> bool:
         """Whether forces are unknowns."""
@@ -40,11 +44,15 @@ _NORMAL = ("penetration", "normal_velocity", "elastic_normal", "hardening")
 VERTICAL = Model("vertical", _NORMAL)
 """Normal motion alone."""
 VERTICAL_DAMPED = Model("vertical, with dashpot", (*_NORMAL, FORCES[0]))
+ROUND = Model("round", Motion._fields, is_round=True)
+"""Sinking, sliding and turning of a block that is round."""
+ROUND_DAMPED = Model("round, with dashpots", (*Motion._fields, *FORCES), is_round=True)
 PLANAR = Model("planar", Motion._fields)
 """Sinking, sliding and turning."""
 PLANAR_DAMPED = Model("planar, with dashpots", (*Motion._fields, *FORCES))
-MODELS = (VERTICAL, VERTICAL_DAMPED, PLANAR, PLANAR_DAMPED)
-"""Models from the cheapest to the most expensive."""
+MODELS = (VERTICAL, VERTICAL_DAMPED, ROUND, ROUND_DAMPED, PLANAR, PLANAR_DAMPED)
+"""Models from the cheapest to the most expensive: of each kind the one without dashpots
+and that with them."""
 
 
 def select_model(block: Block, soil: Soil, impact: Impact) -> Model:
@@ -52,7 +60,8 @@ def select_model(block: Block, soil: Soil, impact: Impact) -> Model:
 
     Vertical where nothing pushes the block aside or turns it: `angle`,
     `angular_velocity` and `slope` zero, and a sphere or an axis that points down.
-    Without dashpots where those that would work have damping ratios of zero.
+    Round where the section is a circle. Without dashpots where those that would work
+    have damping ratios of zero.
 
     Laws must keep the symmetry: no shear or rocking without shear force and moment.
 
@@ -63,7 +72,14 @@ def select_model(block: Block, soil: Soil, impact: Impact) -> Model:
     known = jax.tree.map(
         lambda x: np.nan if isinstance(x, Tracer) else np.asarray(x), scene
     )
-    return MODELS[int(np.max(exact_models(known)[0]))]
+    return exact_for_all(exact_models(known)[1])
+
+
+def exact_for_all(places: list[int]) -> Model:
+    """Select the cheapest model that is exact where each of some is, from their places
+    in `MODELS`: the most general kind, with dashpots if any has them."""
+    kinds, damped = zip(*(divmod(place, 2) for place in places), strict=True)
+    return MODELS[2 * max(kinds) + max(damped)]
 
 
 def exact_models(scene: Scene):
@@ -82,16 +98,17 @@ def exact_models(scene: Scene):
             lambda: scene.block.shape.is_upright(impact.orientation), False
         )
     )
+    is_round = _unless_numpy_only(scene.block.shape.is_round, False)
     by_normal, by_any = _unless_numpy_only(scene.soil.damping.acts, (True, True))
-    where = namespace_of(vertical, by_normal, by_any).where
-    place = where(vertical, 0, MODELS.index(PLANAR)) + where(
-        vertical, by_normal, by_any
-    )
+    where = namespace_of(vertical, is_round, by_normal, by_any).where
+    otherwise = where(is_round, MODELS.index(ROUND), MODELS.index(PLANAR))
+    place = where(vertical, 0, otherwise) + where(vertical, by_normal, by_any)
     if not isinstance(place, Tracer):
         return place, np.unique(place).tolist()
     possible = {
-        (0 if upright else MODELS.index(PLANAR)) + acts
+        (0 if upright else MODELS.index(ROUND if circle else PLANAR)) + acts
         for upright in _values(vertical)
+        for circle in _values(is_round)
         for acts in _values(by_normal if upright else by_any)
     }
     return place, sorted(possible)

@@ -44,16 +44,14 @@ def leave_out_known(function: Callable, known: dict[int, float]) -> Callable:
     Args:
         function: of arrays, to a pytree of arrays.
         known: place of an argument -> its value. It takes the shape and type of the
-            first argument that is not known.
+            first argument that is not known. Zeros that the function itself makes are
+            left out too.
 
     Returns:
         A function of all arguments but those known. It gives what `function` does, as
         long as everything in between is finite. Differentiable as `function` is, but
         that a `custom_jvp` that meets known values is differentiated as it is written.
     """
-
-    if not known:
-        return function
 
     def with_known(*arguments):
         rest = iter(arguments)

@@ -56,6 +56,11 @@ class Section(NamedTuple):
     width: Scalar
     """Size B_w out of the plane of motion."""
 
+    @property
+    def middle(self) -> Scalar:
+        """Centre r_t of the section, down-slope positive."""
+        return 0.5 * (self.left + self.right)
+
 
 class AbstractShape(Part):
     r"""Shape of a homogeneous block, symmetric about its three axes.
@@ -211,9 +216,15 @@ class AbstractShape(Part):
         return xp.abs(xp.sin(2.0 * xp.asarray(orientation))) <= SYMMETRIC_WITHIN
 
     def is_round(self):
-        """Tell whether nothing depends on the orientation, so that a table needs one
-        node of it: no shape by default. For NumPy arrays."""
+        """Tell whether the section is a circle, so that nothing depends on the
+        orientation: no shape by default. For arrays of NumPy, and of JAX while it
+        traces; NaN stands for what is not known."""
         return np.zeros(np.shape(self.aspect_ratio), bool)
+
+    def when_round(self) -> Any:
+        """The same shape where it `is_round`, in fewer operations; by default
+        itself."""
+        return self
 
     @property
     def bound(self) -> Scalar:
@@ -330,6 +341,6 @@ def foundation(
         width=jnp.where(touching, section.width, 0.0),
         sinking=sinking,
         normal_arm=height,
-        tangential_arm=0.5 * (section.left + section.right),
+        tangential_arm=section.middle,
         tangency_arm=shape.tangency_arm(axes, sin, cos, **sides),
     )

@@ -1,14 +1,16 @@
 r"""Blocks of elliptic section in the plane of motion: the paper's ellipsoid, and the
 elliptic cylinder."""
 
+import abc
+
 import jax.numpy as jnp
 import numpy as np
 
 from .._jax_internals import namespace_of
-from .._safe import safe_sqrt
 from .._types import Scalar
 from ..parameters import parameter
 from .base import AbstractShape, Section, SemiAxes
+from .circle import Circle, root_of_section
 from .support import RoundBlock
 
 USUAL_RATIO = (0.02, 50.0)
@@ -68,9 +70,7 @@ class AbstractElliptic(AbstractShape):
         """
         major, minor, _ = axes
         support = self.support(axes, sin, cos)
-        # 1 - (d/r_y)^2 without the cancellation that d = r_y - u_D would bring
-        relative_sinking = sinking / support
-        q = safe_sqrt(relative_sinking * (2.0 - relative_sinking))
+        q = root_of_section(sinking / support)
         difference = (major**2 - minor**2) * sin * cos
         half_section = major * minor / support * q
         section_centre = -height * difference / support**2
@@ -80,6 +80,20 @@ class AbstractElliptic(AbstractShape):
         right = jnp.where(right_is_above, section_centre + half_section, extreme)
         left = jnp.where(left_is_above, section_centre - half_section, -extreme)
         return left, right, q
+
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
+        left, right, q = self.cut(axes, sin, cos, height, sinking)
+        return Section(left, right, self.width(axes, height, q))
+
+    @staticmethod
+    @abc.abstractmethod
+    def width(axes: SemiAxes, height: Scalar, q: Scalar) -> Scalar:
+        """Size B_w of the section out of the plane of motion [m].
+
+        Args:
+            axes: half sizes [m]. height: of the centre over the ground [m].
+            q: as `cut` gives it [-].
+        """
 
     def is_upright(self, orientation):
         return super().is_upright(orientation) | self.is_round()
@@ -165,12 +179,13 @@ class Ellipsoid(AbstractElliptic):
     def inertia(self, mass, axes) -> Scalar:
         return mass * (axes.major**2 + axes.minor**2) / 5.0
 
-    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
-        left, right, q = self.cut(axes, sin, cos, height, sinking)
+    @staticmethod
+    def width(axes, height, q) -> Scalar:
         full = 2.0 * axes.out_of_plane
-        return Section(
-            left, right, jnp.where(height > 0.0, 2.0 * axes.out_of_plane * q, full)
-        )
+        return jnp.where(height > 0.0, 2.0 * axes.out_of_plane * q, full)
+
+    def when_round(self):
+        return _when_round(self, Ellipsoid)
 
 
 class EllipticCylinder(AbstractElliptic):
@@ -191,6 +206,15 @@ class EllipticCylinder(AbstractElliptic):
     def unit_inertia(self) -> Scalar:
         return (self.aspect_ratio**2 + 1.0) / 4.0
 
-    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
-        left, right, _ = self.cut(axes, sin, cos, height, sinking)
-        return Section(left, right, 2.0 * axes.out_of_plane)
+    @staticmethod
+    def width(axes, height, q) -> Scalar:
+        return 2.0 * axes.out_of_plane
+
+    def when_round(self):
+        return _when_round(self, EllipticCylinder)
+
+
+def _when_round(shape: AbstractElliptic, kind: type[AbstractElliptic]):
+    """Return the circle of a shape of a kind. A class derived from it may have another
+    geometry, and keeps it."""
+    return Circle(kind.width, kind.most_slender) if type(shape) is kind else shape
