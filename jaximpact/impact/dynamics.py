@@ -28,6 +28,7 @@ import jax.numpy as jnp
 
 from .._types import Flag, Scalar
 from ..laws import Branch, FlowRate, Forces, Load, Stiffness
+from ..laws.elasticity import FactoredStiffness
 from ..scene import GRAVITY, Scene, Soil
 from ..shapes import AbstractShape, Foundation, SemiAxes, foundation
 
@@ -242,6 +243,14 @@ def _spread(result, motion: Motion):
     return jax.tree.map(spread, result)
 
 
+def _forces_of_springs(stiffness: Stiffness, motion: Motion) -> Forces:
+    return Forces(
+        stiffness.normal * motion.elastic_normal,
+        stiffness.tangential * motion.elastic_tangential,
+        stiffness.rotational * motion.elastic_rotation,
+    )
+
+
 def contact(
     ground: ImpactConstants,
     motion: Motion,
@@ -266,11 +275,7 @@ def contact(
     stiffness = soil.elasticity(
         footing, ground.unit_weight_normal, motion.elastic_normal, branch=branch
     )
-    springs = Forces(
-        stiffness.normal * motion.elastic_normal,
-        stiffness.tangential * motion.elastic_tangential,
-        stiffness.rotational * motion.elastic_rotation,
-    )
+    springs = _forces_of_springs(stiffness, motion)
     approach = (
         motion.normal_velocity
         + soil.kinematics.sinking_arm(base) * motion.angular_velocity,
@@ -285,14 +290,26 @@ def contact(
         soil.unit_weight / GRAVITY,
         branch=branch,
     )
-    normal_before_cut = springs.normal if forces is None else forces.normal
-    forces = springs if forces is None else forces
+    of_springs = forces is None
+    forces = springs if of_springs else forces
+    normal_before_cut = forces.normal
     # The step that lands on N = 0 has stages just beyond: cut off there, they would
     # leave its value as it is and spoil its derivative.
     presses = normal_before_cut > 0.0 if branch is None else branch.presses
     forces = forces._replace(normal=jnp.where(presses, forces.normal, 0.0))
-
-    load = soil.loading_surface(forces, capacity, footing, ground.friction_slope)
+    on_surface, limit = forces, capacity
+    if (
+        of_springs
+        and isinstance(stiffness, FactoredStiffness)
+        and stiffness.at_one is not None
+        and soil.loading_surface.needs_ratios_alone()
+    ):
+        pressed = motion._replace(
+            elastic_normal=jnp.where(presses, motion.elastic_normal, 0.0)
+        )
+        on_surface = _forces_of_springs(stiffness.at_one, pressed)
+        limit = capacity / stiffness.modulus
+    load = soil.loading_surface(on_surface, limit, footing, ground.friction_slope)
     flow = _spread(soil.flow(load, motion.hardening, footing, branch=branch), motion)
     slip = soil.slider(
         forces.tangential,

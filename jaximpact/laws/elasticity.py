@@ -29,6 +29,25 @@ class Stiffness(NamedTuple):
     rotational: Scalar  # k_r [N m/rad]
 
 
+class FactoredStiffness(Stiffness):
+    """Stiffness that is a modulus times what the shape of the foundation gives.
+
+    Ratios of the forces do not depend on the modulus, a power, and need not wait for
+    it. A law that changes the stiffness, by `_replace` or `jax.tree.map`, leaves the
+    two factors behind.
+    """
+
+    modulus: Any = None
+    at_one: Any = None
+    """The stiffness over the modulus."""
+
+    @classmethod
+    def of(cls, modulus: Scalar, at_one: Stiffness) -> "FactoredStiffness":
+        stiffness = cls(*(modulus * value for value in at_one))
+        stiffness.modulus, stiffness.at_one = modulus, at_one
+        return stiffness
+
+
 def shape_factor(shape_ratio: Scalar) -> Scalar:
     r"""Correction of the normal stiffness for an oblong foundation.
 
@@ -68,7 +87,7 @@ def footing_stiffness(
     poisson: Scalar,
     foundation: Foundation,
     branch: Branch | None,
-) -> Stiffness:
+) -> FactoredStiffness:
     r"""Stiffness of a circular footing of equal area on a half-space.
 
     $$ r_0 = \tfrac12\sqrt{B_t B_w}, \quad G = S_{ef} \frac{E}{2 (1 + \nu)}, \quad
@@ -95,13 +114,12 @@ def footing_stiffness(
     if foundation.most_slender is not None:
         shape_ratio = jnp.minimum(shape_ratio, foundation.most_slender)
     shear = S_ef / (2.0 * (1.0 + poisson))  # G / E
-    # The modulus comes last: all else is known before it.
-    return Stiffness(
-        normal=modulus
-        * (shape_factor(shape_ratio) * (4.0 * shear / (1.0 - poisson) * radius)),
-        tangential=modulus * (8.0 * shear / (2.0 - poisson) * radius),
-        rotational=modulus * (8.0 * shear / (3.0 * (1.0 - poisson)) * radius**3),
+    at_one = Stiffness(
+        normal=4.0 * shear / (1.0 - poisson) * radius * shape_factor(shape_ratio),
+        tangential=8.0 * shear / (2.0 - poisson) * radius,
+        rotational=8.0 * shear / (3.0 * (1.0 - poisson)) * radius**3,
     )
+    return FactoredStiffness.of(modulus, at_one)
 
 
 def equal_area_radius(foundation: Foundation) -> Scalar:
@@ -165,12 +183,12 @@ class ContactPressureModulus(AbstractFootingSprings):
     def __call__(self, foundation, unit_weight_normal, elastic_normal, *, branch=None):
         radius = equal_area_radius(foundation)
         modulus = self.k_E * ATMOSPHERIC_PRESSURE
-        at_one = footing_stiffness(modulus, self.S_ef, self.poisson, foundation, branch)
+        first = footing_stiffness(modulus, self.S_ef, self.poisson, foundation, branch)
         area = 0.25 * jnp.pi * foundation.length * foundation.width
         pressed = jnp.maximum(jnp.abs(elastic_normal), LEAST_PRESSED * radius)
-        relative = at_one.normal * pressed / (area * ATMOSPHERIC_PRESSURE)
+        relative = first.normal * pressed / (area * ATMOSPHERIC_PRESSURE)
         factor = safe_power(relative, self.n_E / (1.0 - self.n_E))
-        return Stiffness(*(factor * stiffness for stiffness in at_one))
+        return FactoredStiffness.of(modulus * factor, first.at_one)
 
 
 class Damping(NamedTuple):

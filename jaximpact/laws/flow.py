@@ -70,11 +70,23 @@ def flow_direction(
     Kinked where $g_\xi = 0$ unless dilatancy is 1. Source: a reading; associated flow
     of Nova and Montrasio (1991) at dilatancy 1, none of the heave at 0.
     """
+    normal, inverse = _reduced(load, dilatancy, branch)
+    return FlowRate(
+        normal * inverse, load.tangential * inverse, load.rotational * inverse
+    )
+
+
+def _reduced(
+    load: Load, dilatancy: Scalar, branch: Branch | None
+) -> tuple[Scalar, Scalar]:
+    """Return the normal part of the gradient, reduced where it would heave the block
+    up, and one over the gradient's magnitude."""
     heaves = load.normal < 0.0 if branch is None else branch.heaves
     normal = jnp.where(heaves, dilatancy, 1.0) * load.normal
-    # The normal part is known last.
-    norm = jnp.sqrt(load.tangential**2 + load.rotational**2 + TINY + normal**2)
-    return FlowRate(normal / norm, load.tangential / norm, load.rotational / norm)
+    # The normal part is known last. Root and division, which take long, go side by
+    # side.
+    square = load.tangential**2 + load.rotational**2 + TINY + normal**2
+    return normal, jnp.sqrt(square) / square
 
 
 def displacement_rates(
@@ -89,11 +101,13 @@ def displacement_rates(
         rate: $\dot\lambda$ [m/s], not negative.
         load, branch: as for a law. dilatancy: 0 to 1 [-].
     """
-    direction = flow_direction(load, dilatancy, branch=branch)
+    normal, inverse = _reduced(load, dilatancy, branch)
+    # Of the factors the magnitude's inverse is known last.
+    factor = rate * inverse
     return FlowRate(
-        normal=rate * direction.normal,
-        tangential=rate * direction.tangential / load.tangential_scale,
-        rotational=rate * direction.rotational / load.rotational_scale,
+        normal=factor * normal,
+        tangential=factor * (load.tangential / load.tangential_scale),
+        rotational=factor * (load.rotational / load.rotational_scale),
     )
 
 

@@ -78,12 +78,12 @@ class AbstractPathHardening(AbstractHardening):
                 branch.shears_up,
                 branch.rocks_back,
             )
+        # The rates of flow are known last, and enter last.
+        rocking = self.alpha_vR * foundation.length
         path = (
             jnp.where(heaves, 0.0, flow.normal)
-            + self.alpha_vT * jnp.where(shears_up, -flow.tangential, flow.tangential)
-            + self.alpha_vR
-            * foundation.length
-            * jnp.where(rocks_back, -flow.rotational, flow.rotational)
+            + jnp.where(shears_up, -self.alpha_vT, self.alpha_vT) * flow.tangential
+            + jnp.where(rocks_back, -rocking, rocking) * flow.rotational
         )
         return self.c_v * (1.0 - hardening) / self.path_length(foundation) * path
 

@@ -74,6 +74,11 @@ class AbstractLoadingSurface(Part):
         energy.
         """
 
+    def needs_ratios_alone(self) -> bool:
+        """Tell whether forces and capacity may be given in any unit, as it is of the
+        package's own. A class derived from one of them may have another surface."""
+        return type(self) in OF_RATIOS
+
 
 class NovaMontrasio(AbstractLoadingSurface):
     r"""The loading surface of Nova and Montrasio, its vertex rounded.
@@ -112,13 +117,14 @@ class NovaMontrasio(AbstractLoadingSurface):
         tangential = forces.tangential / friction_slope
         rotational = forces.moment / lever
         least = (jnp.abs(tangential) + jnp.abs(rotational)) / LARGEST_RATIO
-        divisor = jnp.maximum(jnp.maximum(forces.normal, least), TINY)
+        # The normal force is known last.
+        divisor = jnp.maximum(forces.normal, jnp.maximum(least, TINY))
         h_ratio, m_ratio = tangential / divisor, rotational / divisor
         square = h_ratio**2 + m_ratio**2
         root = jnp.sqrt(square + self.rounding**2)
         # eta = root - e, without cancellation; TINY keeps the power's gradient finite
         # at 0
-        eta = square / (root + self.rounding) + TINY
+        eta = (square + TINY) / (root + self.rounding)
         w = positive_power(eta, 1.0 / self.beta)
         inside = jnp.minimum(w, TANGENT_FROM)
         inverse = 1.0 / (1.0 - inside)
@@ -154,3 +160,7 @@ class BlunterVertex(NovaMontrasio):
     """
 
     rounding: float = eqx.field(default=0.1, static=True)
+
+
+OF_RATIOS = (NovaMontrasio, SharperVertex, BlunterVertex)
+"""Surfaces that depend on forces over capacity alone."""

@@ -6,7 +6,6 @@ from collections.abc import Callable
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._safe import safe_sqrt
 from .._types import Scalar
 from .base import Section
 
@@ -59,5 +58,7 @@ class Circle(eqx.Module):
 
 def root_of_section(relative_sinking: Scalar) -> Scalar:
     """Compute q = sqrt(1 - (d/r_y)^2) from u_D / r_y [-], without the cancellation that
-    d = r_y - u_D would bring."""
-    return safe_sqrt(relative_sinking * (2.0 - relative_sinking))
+    d = r_y - u_D would bring; value 0 and gradient 0 below 0 and from 2 on."""
+    cuts = (relative_sinking > 0.0) & (relative_sinking < 2.0)
+    square = relative_sinking * (2.0 - relative_sinking)
+    return jnp.where(cuts, jnp.sqrt(jnp.where(cuts, square, 1.0)), 0.0)

@@ -91,8 +91,9 @@ def exp(graph: Graph, x: Value) -> Value:
     power = at("add", at("fused", at("multiply", rest, rest), bend, rest), 1.0)
     shifted = at("shift_left", at("to_bits", rounded), 52)
     result = at("from_bits", at("integer_add", at("to_bits", power), shifted))
-    result = graph.choose(at("less", x, -708.3964185322641), 0.0, result)
-    return graph.choose(at("less", 709.782712893384, x), math.inf, result)
+    vanishes = at("less", x, -708.3964185322641)
+    outside = at("or", vanishes, at("less", 709.782712893384, x))
+    return graph.choose(outside, graph.choose(vanishes, 0.0, math.inf), result)
 
 
 def log(graph: Graph, x: Value) -> Value:
@@ -104,21 +105,21 @@ def log(graph: Graph, x: Value) -> Value:
     )
     part = at("from_bits", at("integer_subtract", bits, at("shift_left", exponent, 52)))
     count = at("to_float", exponent)
+    # In sums of two, so that few operations wait for others
     f = at("subtract", part, 1.0)
-    s = at("divide", f, at("add", f, 2.0))
+    s = at("divide", f, at("add", part, 1.0))
     z = at("multiply", s, s)
-    rest = at("multiply", z, _polynomial(graph, z, LOG_TERMS))
     half = at("multiply", at("multiply", f, f), 0.5)
-    small = at("multiply", s, at("add", half, rest))
-    small = at("fused", count, LOG2_LOW, small)
-    result = at("subtract", half, small)
-    result = at("subtract", f, result)
-    result = at("fused", count, LOG2_HIGH, result)
-    result = graph.choose(at("equal", x, math.inf), x, result)
+    low = at("fused", count, LOG2_LOW, at("negate", half))
+    rest = at("fused", z, _polynomial(graph, z, LOG_TERMS), half)
+    small = at("fused", s, rest, low)
+    result = at("add", at("fused", count, LOG2_HIGH, f), small)
     outside = graph.choose(
         at("less", at("magnitude", x), SMALLEST), -math.inf, math.nan
     )
-    return graph.choose(at("at_most", SMALLEST, x), result, outside)
+    outside = graph.choose(at("equal", x, math.inf), x, outside)
+    usual = at("and", at("at_most", SMALLEST, x), at("less", x, math.inf))
+    return graph.choose(usual, result, outside)
 
 
 def _quarter_turns(graph: Graph, x: Value) -> tuple[Value, Value, Value]:
