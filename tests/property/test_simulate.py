@@ -127,8 +127,9 @@ def batch(request):
         "jaximpact.backend.kernel_choice.computes_on_cpu",
         lambda: request.param == "native",
     )
-    # More than all threads compute at once, and no multiple of that.
-    scenes = mixed_scenes(4 * LANES_OF_XLA + 2048 * thread_count() + 123)
+    # More than are computed at once, and no multiple of that
+    at_once = 4096 * thread_count() if request.param == "native" else 2 * LANES_OF_XLA
+    scenes = mixed_scenes(at_once + 123)
     seen = []
     result = simulate_batch(
         scenes, accuracy="fast", progress=lambda done, of: seen.append((done, of))
