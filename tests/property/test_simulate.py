@@ -161,7 +161,7 @@ def test_order_changes_nothing(batch):
 
 def test_as_one_by_one(batch):
     scenes, result, _ = batch
-    for place in (0, 7, 1000, 2100):
+    for place in (0, 7, 1000, len(result.e_n) - 1):
         scene = chosen(scenes, place)
         alone = simulate(scene.block, scene.soil, scene.impact, accuracy="fast")
         assert int(alone.outcome_code) == int(result.outcome_code[place])
