@@ -51,8 +51,8 @@ def rung_of(model: Model) -> Rung:
 
 
 def ladder() -> dict[str, Rung]:
-    """Every model by name, in the order of their cost; not those of a round block,
-    which the sets have none of."""
+    """Every model by name, in the order of their cost, but for those of round blocks:
+    no set has one."""
     return {model.name: rung_of(model) for model in MODELS if not model.is_round}
 
 

@@ -297,6 +297,8 @@ def contact(
     # leave its value as it is and spoil its derivative.
     presses = normal_before_cut > 0.0 if branch is None else branch.presses
     forces = forces._replace(normal=jnp.where(presses, forces.normal, 0.0))
+    # Forces and capacity, both over the modulus, give the same load, and sooner: see
+    # `FactoredStiffness`.
     on_surface, limit = forces, capacity
     if (
         of_springs

@@ -210,6 +210,7 @@ class Problem(eqx.Module):
             return function(motion, contact(self.ground, motion, forces, branch))
 
         absent = [place for place, n in enumerate(names) if n not in model.unknowns]
+        # A round block has arms of zero, that are left out too.
         if not absent and not model.is_round:
             return of_all(*rows)
         return leave_out_known(of_all, dict.fromkeys(absent, 0.0))(*rows)

@@ -1,9 +1,11 @@
 """Reduced models: fewer unknowns where symmetry or a tolerance allows it.
 
-A model is a choice of unknowns. The equations and laws are the same for all; what is
-not an unknown is zero, and stays so. That is exact where symmetry keeps it at zero.
+A model is a choice of unknowns, and of the geometry where a block is round. The
+equations and laws are the same for all; what is not an unknown is zero, and stays so.
+That is exact where symmetry keeps it at zero.
 """
 
+import itertools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -29,7 +31,6 @@ class Model(NamedTuple):
     name: str
     unknowns: tuple[str, ...]
     """Fields of `Motion`, then with dashpots those of `FORCES`."""
-
     is_round: bool = False
     """Whether the block's section in the plane of motion is a circle: nothing depends
     on its orientation, and all arms but that of the tangential force are zero."""
@@ -76,8 +77,8 @@ def select_model(block: Block, soil: Soil, impact: Impact) -> Model:
 
 
 def exact_for_all(places: list[int]) -> Model:
-    """Select the cheapest model that is exact where each of some is, from their places
-    in `MODELS`: the most general kind, with dashpots if any has them."""
+    """Select the cheapest model that is exact for impacts of several models, given by
+    their places in `MODELS`: the most general kind, with dashpots if one has them."""
     kinds, damped = zip(*(divmod(place, 2) for place in places), strict=True)
     return MODELS[2 * max(kinds) + max(damped)]
 
@@ -100,18 +101,20 @@ def exact_models(scene: Scene):
     )
     is_round = _unless_numpy_only(scene.block.shape.is_round, False)
     by_normal, by_any = _unless_numpy_only(scene.soil.damping.acts, (True, True))
-    where = namespace_of(vertical, is_round, by_normal, by_any).where
-    otherwise = where(is_round, MODELS.index(ROUND), MODELS.index(PLANAR))
-    place = where(vertical, 0, otherwise) + where(vertical, by_normal, by_any)
+    deciding = vertical, is_round, by_normal, by_any
+    place = _place_of(*deciding)
     if not isinstance(place, Tracer):
         return place, np.unique(place).tolist()
-    possible = {
-        (0 if upright else MODELS.index(ROUND if circle else PLANAR)) + acts
-        for upright in _values(vertical)
-        for circle in _values(is_round)
-        for acts in _values(by_normal if upright else by_any)
-    }
-    return place, sorted(possible)
+    possible = itertools.product(*map(_values, deciding))
+    return place, sorted({int(_place_of(*values)) for values in possible})
+
+
+def _place_of(vertical, is_round, by_normal, by_any):
+    """Find places in `MODELS` from what decides: two truths of symmetry, and whether
+    dashpots act in a vertical impact and in any other."""
+    where = namespace_of(vertical, is_round, by_normal, by_any).where
+    otherwise = where(is_round, MODELS.index(ROUND), MODELS.index(PLANAR))
+    return where(vertical, 0, otherwise) + where(vertical, by_normal, by_any)
 
 
 def _unless_numpy_only(function: Callable, otherwise):

@@ -204,7 +204,7 @@ def root_of_cubic(start, start_rate, end, end_rate, width):
         slope = a + s * (2.0 * b + s * 3.0 * c)
         low, high = jnp.where(value > 0, s, low), jnp.where(value > 0, high, s)
         newton = s - value / jnp.where(slope < 0.0, slope, -1.0)
-        # A converged one stays at its bound.
+        # A root that is found is one of the bounds, and must stay.
         inside = (slope < 0.0) & (newton >= low) & (newton <= high)
         s = jnp.where(inside, newton, 0.5 * (low + high))
     value = start + s * (a + s * (b + s * c))

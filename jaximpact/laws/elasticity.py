@@ -38,6 +38,7 @@ class FactoredStiffness(Stiffness):
     """
 
     modulus: Any = None
+    """The modulus E, or its product with a factor [Pa]."""
     at_one: Any = None
     """The stiffness over the modulus."""
 

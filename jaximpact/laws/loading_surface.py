@@ -75,8 +75,9 @@ class AbstractLoadingSurface(Part):
         """
 
     def needs_ratios_alone(self) -> bool:
-        """Tell whether forces and capacity may be given in any unit, as it is of the
-        package's own. A class derived from one of them may have another surface."""
+        """Tell whether forces and capacity may be given in any common unit: for the
+        package's own surfaces. A class derived from one of them may depend on the
+        forces otherwise."""
         return type(self) in OF_RATIOS
 
 
