@@ -32,6 +32,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
 ORDER = 5
@@ -222,6 +223,33 @@ def substitute(rows, inverse_pivots, right_hand_side: list[Array]) -> list[Array
     return x
 
 
+@jax.custom_jvp
+def solve(
+    matrix: list[dict[int, Array]], factors: tuple[list, list], right_hand_side: list
+) -> list[Array]:
+    r"""Solve a system $W u = r$ whose factors are known.
+
+    Its derivative is that of the equation, $W \dot u = \dot r - \dot W u$, which needs
+    none of the factors: a tenth fewer operations in derivatives of a step.
+    """
+    return substitute(*factors, right_hand_side)
+
+
+@functools.partial(solve.defjvp, symbolic_zeros=True)
+def _solve_jvp(primals, tangents):
+    matrix, factors, right_hand_side = primals
+    changes, _, steps = tangents
+    x = solve(matrix, factors, right_hand_side)
+    remaining = []
+    for row, step in zip(changes, steps, strict=True):
+        left = jnp.zeros_like(x[0]) if isinstance(step, SymbolicZero) else step
+        for j, change in row.items():
+            if not isinstance(change, SymbolicZero):
+                left = left - change * x[j]
+        remaining.append(left)
+    return x, solve(matrix, factors, remaining)
+
+
 def jacobian_columns(f, y: list[Array]) -> list[list[Array]]:
     """Compute columns of df/dy, each by forward differentiation in one variable.
 
@@ -260,16 +288,15 @@ def rodas5p_step(f, y0: Array, step_size: Array, pattern):
         return (1.0 if i == j else 0.0) - scaled * columns[j][i]
 
     order = range(len(rows))
-    factors = factorise(
-        [{j: entry(i, j) for j in order if pattern[i][j] or i == j} for i in order]
-    )
+    matrix = [{j: entry(i, j) for j in order if pattern[i][j] or i == j} for i in order]
+    factors = factorise(jax.lax.stop_gradient(matrix))
 
     # A loop, not eight copies of f, and in it a jitted function: XLA and the compiler
     # of machine code each compile it once.
     @jax.jit
     def increment(y, coupled):
         right = [scaled * rate + c for rate, c in zip(f(list(y)), coupled, strict=True)]
-        return jnp.stack(substitute(*factors, right))
+        return jnp.stack(solve(matrix, factors, right))
 
     def stage(i, stages):
         y = y0 + jnp.tensordot(jnp.asarray(STAGE_MATRIX)[i], stages, 1)
