@@ -156,7 +156,8 @@ def _directly(kernels: KernelSet, along, places, rest, values, effort, program, 
     if times is not None:
         series = np.shape(times)[-1:]
         shape = np.broadcast_shapes(shape, np.shape(times)[:-1])
-        times = np.broadcast_to(times, shape + series).reshape(-1, *series)
+        times = np.broadcast_to(times, shape + series)
+        times = times.reshape(math.prod(shape), *series)
     inputs = np.empty((len(values), *shape))
     for row, value in enumerate(values):
         inputs[row] = value

@@ -88,7 +88,7 @@ def exact_models(scene: Scene):
     and all places that there may be.
 
     Fields are arrays that broadcast, of JAX while it traces: then the place is one too.
-    NaN stands for what is not known.
+    NaN stands for what is not known. For no scenes there may be the planar model.
     """
     impact = scene.impact
     vertical = (
@@ -104,9 +104,11 @@ def exact_models(scene: Scene):
     deciding = vertical, is_round, by_normal, by_any
     place = _place_of(*deciding)
     if not isinstance(place, Tracer):
-        return place, np.unique(place).tolist()
-    possible = itertools.product(*map(_values, deciding))
-    return place, sorted({int(_place_of(*values)) for values in possible})
+        places = np.unique(place).tolist()
+    else:
+        possible = itertools.product(*map(_values, deciding))
+        places = sorted({int(_place_of(*values)) for values in possible})
+    return place, places or [MODELS.index(PLANAR)]
 
 
 def _place_of(vertical, is_round, by_normal, by_any):

@@ -512,6 +512,11 @@ def test_second_derivatives_are_refused_in_words():
 
 def test_empty_and_single_lanes():
     assert FAST(Block(), Soil(), Impact(speed=jnp.zeros(0))).e_n.shape == (0,)
+    # Also of what decides the model; alone, in `jit` and in derivatives
+    none = Impact(angle=np.zeros((3, 0)))
+    of_stiffness = lambda k_E: FAST(Block(), Soil(k_E=k_E), none).e_n  # noqa: E731
+    for function in (of_stiffness, jax.jit(of_stiffness), jax.jacfwd(of_stiffness)):
+        assert function(500.0).shape == (3, 0)
     one = FAST(Block(), Soil(), Impact(speed=jnp.array([14.0])))
     assert one.e_n.shape == (1,)
     assert float(one.e_n[0]) == float(FAST(Block(), Soil(), Impact(speed=14.0)).e_n)
