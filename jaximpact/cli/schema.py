@@ -198,8 +198,8 @@ def _study() -> dict[str, Schema]:
     prior = _closed({"mean": number, "sd": {**number, "exclusiveMinimum": 0}})
     fitted = _closed(
         {"start": number, "lower": number, "upper": number, "prior": prior}
-        | {"expression": TEXT, "by": _words(LABEL_COLUMNS)}
-        | {"group_sd": {"anyOf": [number, _words(["estimated"])]}}
+        | {"expression": TEXT, "by": _words((*LABEL_COLUMNS, "row"))}
+        | {"group_sd": number}
     )
     nuisance = _closed({"by": _words((*LABEL_COLUMNS, "row")), "prior": prior})
     soil = [name for name, column in _columns().items() if column.part == "soil"]

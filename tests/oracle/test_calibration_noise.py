@@ -264,6 +264,9 @@ def test_the_better_one_is_taken_where_nobody_stated_it():
         assert [line[:25] for line in words] == ["The values of v_t_mps spa"] * taken
     narrow = np.geomspace(1.0, 9.0, 20)
     assert not objective_of(narrow, noisy(narrow, 0), {}).study.scatter_open
+    # An empty cell is no small value.
+    cells = [*noisy(narrow, 0)[:-1], None]
+    assert not objective_of(narrow, cells, {}).study.scatter_open
     assert objective_of(SLOPES, measured, {}).study.scatter_open == ("v_t_mps",)
     signs = np.where(np.arange(20) % 2, -1.0, 1.0)
     assert not objective_of(signs * SLOPES, signs * measured, {}).study.scatter_open

@@ -265,6 +265,17 @@ def test_sigmas_that_are_too_small_are_not_believed():
     assert found.inflation == pytest.approx(11 * 100.0 / 9.0)
 
 
+def test_an_outlier_that_a_robust_loss_softens_widens_no_interval():
+    predicted = np.where(np.arange(40) % 2, 0.1, -0.1)
+    predicted[3] = 3.0  # thirty sigmas
+    jacobian = np.stack([np.ones(40), np.linspace(0.0, 1.0, 40)], axis=1)
+    for loss, expected in (("gaussian", 24.7), ("student", 1.0)):
+        study = dataclasses.replace(linear_study(40, 0.1), loss=loss)
+        found = estimate(*by_hand(study, jacobian, predicted))
+        # (39 + 900) / 38, the sum of squares over the degrees of freedom
+        assert found.inflation == pytest.approx(expected, rel=0.01)
+
+
 def test_scatter_that_differs_from_test_to_test():
     """Against the textbook's sandwich (White's, with leverages), for an estimated
     sigma."""

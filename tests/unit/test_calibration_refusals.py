@@ -211,6 +211,28 @@ def test_a_study_that_cannot_be_used(written, pair, words):
     assert_one_line(error.value, str(path.parent), *words)
 
 
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [
+        (
+            [variant('name = "a"\nbeta = 1.0')],
+            "nuisance.beta: stands in variants[1] too",
+        ),
+        (
+            [before("[parameters]", "beta = 0.9"), tied("c_v * beta")],
+            "alpha_s.expression: names beta, which is a nuisance",
+        ),
+    ],
+    ids=["variant", "expression"],
+)
+def test_a_nuisance_that_is_stated_twice(written, pairs, words):
+    nuisance = '[nuisance.beta]\nby = "campaign"\nprior = { mean = 0.9, sd = 0.1 }'
+    path = written(before("[nuisance.slope_deg]", nuisance), *pairs)
+    with pytest.raises(InputError) as error:
+        read_study(path)
+    assert_one_line(error.value, words)
+
+
 def test_a_command_refuses_it_in_one_line_and_writes_nothing(written, capsys):
     path = written(("starts = 16", "strats = 4"))
     assert main(["calibrate", str(path), "--out", str(path.parent / "out")]) == 2
@@ -225,6 +247,7 @@ TABLES = [
     ("mass_kg,e_t\n1.0,0.5\n", "e_t"),
     ("e_n,sigma_e_n\n0.1,0.01\n0.2,\n,\n", "row 3", "column e_n", "sigma_e_n"),
     ("normal_force_N\n1e5\n", "needs time_s"),
+    ("time_s,normal_force_N,e_n\n0.1,1e5,0.3\n", "row 2, column e_n", "of its own"),
     ("e_n,force_curve\n0.3,none.csv\n", "which is no file"),
     ("e_n,force_curve\n0.3,other.csv\n", "belongs into tests.csv"),
     ("e_n,force_curve\n0.3,short.csv\n", "must have time_s and normal_force_N"),

@@ -251,9 +251,11 @@ def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
     places, values = [*range(fitted.parameters)], [*fitted.values[: fitted.parameters]]
     known, variances = [*places], [0.0] * len(places)
     for nuisance in study.nuisances:
+        # A file name in place of a campaign does not show that it is the same.
+        named = nuisance.by != EACH_TEST and nuisance.by in study.tests.files[0].labels
         for group in range(len(nuisance.groups)):
             label = nuisance.label(group)
-            if nuisance.by != EACH_TEST and label in fitted.unknowns:
+            if named and label in fitted.unknowns:
                 places.append(fitted.unknowns.index(label))
                 known.append(len(values))
                 values.append(fitted.values[places[-1]])

@@ -39,7 +39,7 @@ from ..estimation.sigma import (
     standardised_rows,
     weights_of_cells,
 )
-from ..problem.noise import losses, true_curvature
+from ..problem.noise import losses, scale_of_normal, true_curvature
 from ..problem.objective import Objective, Points
 from .posterior import Draws
 
@@ -241,8 +241,8 @@ def bounds_information(objective: Objective) -> np.ndarray:
 
 
 def _parts(objective: Objective, points: Points):
-    """Compute H, V, the sum of squares of the exact residuals, and the degrees of
-    freedom."""
+    """Compute H, V, the sum of squares of the exact residuals, those of a robust loss
+    by their pull, and the degrees of freedom."""
     study = objective.study
     rows, used, u = standardised_rows(objective, points)
     exact = used & (study.censored.ravel() == 0)
@@ -255,7 +255,9 @@ def _parts(objective: Objective, points: Points):
     variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
     if freedom < MANY:
         variance += _of_estimated_weights(objective, points)
-    return curvature, variance, float(np.sum(u[exact] ** 2)), freedom
+    pull = losses(u, study.censored.ravel(), study.loss).slope
+    squares = np.sum((u * pull)[exact]) / scale_of_normal(study.loss)
+    return curvature, variance, float(squares), freedom
 
 
 def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:

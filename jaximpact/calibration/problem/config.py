@@ -207,7 +207,9 @@ def _study(top: Key, content: dict, tests: Measurements) -> Study:
     _check_in_all(top, (*parameters, *tied), nuisances, variants, grounds)
     _check_fitted_once(top, tests, (*parameters, *tied), nuisances, fixed, variants)
     nuisances += pooled
-    check_constants(top, tied, [variant.soil for variant in variants])
+    check_constants(
+        top, tied, [variant.soil for variant in variants], [n.name for n in nuisances]
+    )
     compared = read_targets(top, content, tests, nuisances)
     starts = whole(top, content, "starts", STARTS, 1)
     numbers = starts * compared["measured"].size * len(parameters)
@@ -350,6 +352,11 @@ def _check_fitted_once(top, tests, parameters, nuisances, fixed, variants) -> No
             raise top["nuisance"][nuisance.name].error(
                 "stands under parameters too; remove one"
             )
+        for i, variant in enumerate(variants, 1):
+            if nuisance.name in variant.soil:
+                raise top["nuisance"][nuisance.name].error(
+                    f"stands in variants[{i}] too; remove one"
+                )
     for where, values in toml:
         for name in values:
             _check_in_study_alone(top[where][name], tests, name)

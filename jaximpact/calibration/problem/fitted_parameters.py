@@ -1,7 +1,7 @@
 """Fitted parameters of a study: bounds, priors, ties, and deviations of groups."""
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from ...io.toml import (
@@ -151,13 +151,20 @@ def _parameter(
 
 
 def check_constants(
-    top: Key, tied: Iterable[Tied], soils: Iterable[Mapping[str, float]]
+    top: Key,
+    tied: Iterable[Tied],
+    soils: Iterable[Mapping[str, float]],
+    nuisances: Collection[str],
 ) -> None:
-    """Raise InputError where a variant changes a value of the soil that an expression
-    holds fixed."""
+    """Raise InputError where a variant or a nuisance changes a value of the soil that
+    an expression holds fixed."""
     changed = {name for soil in soils for name in soil}
     for one in tied:
         for name in one.constants:
+            if name in nuisances:
+                raise top["parameters"][one.name]["expression"].error(
+                    f"names {name}, which is a nuisance"
+                )
             if name in changed:
                 raise top["parameters"][one.name]["expression"].error(
                     f"names {name}, which the variants change; fit them in studies of "

@@ -71,7 +71,17 @@ def _targets(top: Key, content: dict, tests: Measurements, nuisances):
         known = np.isfinite(tests.measured[name])
         if not np.any(known):
             raise InputError("holds no measurement; remove it", file=first, column=name)
-        if name in CURVE_COLUMNS and np.any(known & np.isnan(tests.times)):
+        timed = np.isfinite(tests.times)
+        if name not in CURVE_COLUMNS and np.any(known & timed):
+            file, row = tests.place(np.flatnonzero(known & timed)[0])
+            raise InputError(
+                f"stands in a row with {TIME_COLUMN}, where forces alone are compared; "
+                f"give it a row of its own, without {TIME_COLUMN}",
+                file=file,
+                row=row,
+                column=name,
+            )
+        if name in CURVE_COLUMNS and np.any(known & ~timed):
             raise InputError(
                 f"needs {TIME_COLUMN} in its row, the time since first touch, or a "
                 f"file of its curve in the column {CURVE_FILE}",
@@ -142,7 +152,8 @@ def _open(content, targets, sigma_given, measured) -> tuple[str, ...]:
     stated = content.get("scatter", {})
     if isinstance(stated, str):
         return ()
-    size = np.fmax(np.abs(measured), least_size(measured))
+    # Not `fmax`: an empty cell has no size.
+    size = np.maximum(np.abs(measured), least_size(measured))
     wide = np.nanmax(size, axis=0) >= DECADE * np.nanmin(size, axis=0)
     of_one_sign = np.nanmin(measured, axis=0) * np.nanmax(measured, axis=0) >= 0.0
     chosen = zip(targets, wide & of_one_sign & ~sigma_given, strict=True)
