@@ -72,6 +72,33 @@ def slope(folder):
     return path
 
 
+LEAVING = """
+count = 40
+
+[profile]
+points_m = [[0, 100], [100, 0], [200, 0]]
+origin = [2600000, 1200000]
+azimuth_deg = 135
+crs = "EPSG:2056"
+
+[release]
+x_m = [0, 5]
+clearance_m = 1
+v_x_mps = [-1, 2]
+"""
+
+
+def test_blocks_that_leave_the_profile_at_their_release(folder):
+    """They have no path: a point stands for it on the map, and largest values are those
+    of the others."""
+    path = folder / "leaving.toml"
+    path.write_text(LEAVING + CONSTANT + FRICTIONAL)
+    assert main(["runout", str(path), "--out", "out"]) == 0
+    for row in rows_of(folder / "out" / "comparison.csv"):
+        assert all(float(row[name]) > 0.0 for name in row if name.startswith("max_"))
+    assert [*(folder / "out").rglob("maps.gpkg")]
+
+
 def test_laws_get_the_same_blocks(slope):
     studies = read_slope_studies(slope)
     assert [s.law.name for s in studies] == [

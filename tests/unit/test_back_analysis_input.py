@@ -1,6 +1,7 @@
 """Files of back-analyses: what is read, and what is refused, by name and place."""
 
 import numpy as np
+import own_laws
 import pytest
 from error_messages import assert_one_line_error
 from slope_study import slope_text
@@ -56,6 +57,17 @@ def slope(tmp_path):
     (tmp_path / "stops.csv").write_text(STOPS)
     (tmp_path / "passages.csv").write_text(PASSAGES)
     return path
+
+
+@pytest.mark.filterwarnings(UNUSED)
+def test_data_sets_are_kept_for_the_code_of_a_law(slope, tmp_path):
+    """What was simulated with a law that has been edited since must not be taken."""
+    own_laws.write_laws(tmp_path)
+    changed(slope, "[ground]\n", '[ground]\nflow = "my_laws.py:Creeping"\n')
+    before = read_slope_fit(slope).identity
+    assert read_slope_fit(slope).identity == before
+    changed(slope, "nucleus + creep", "2.0 * nucleus + creep", name="my_laws.py")
+    assert read_slope_fit(slope).identity != before
 
 
 def changed(path, old, new, name="slope.toml"):

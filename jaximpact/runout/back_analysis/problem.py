@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import did_you_mean
+from ...identity import part_names
 from ...io.checks import check_memory
 from ...io.files import read_input
 from ...io.toml import Key, of_kind, parse_toml, typed, unknown, whole
@@ -116,6 +117,8 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     rest = {k: v for k, v in content.items() if k not in ("observed", FIT, "title")}
     files = {f.name: c for f, c in (slope.checksums | law.checksums).items()}
     observed = read_observed(path, content, profile, slope.seed)
+    # With a digest of the code of those that are the user's
+    parts = part_names(slope.ground.soil, slope.blocks.base)
     back_analysis = SlopeFit(
         path=path,
         title=typed(top, content, "title", str, path.stem),
@@ -124,7 +127,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
         observed=observed,
         barriers=read_barriers(path, content, profile),
         data_sets=data_sets,
-        identity=json.dumps([rest, files, law.description], default=str),
+        identity=json.dumps([rest, files, law.description, parts], default=str),
     )
     columns = 2 + PER_PLACE * len(back_analysis.places)
     check_memory(

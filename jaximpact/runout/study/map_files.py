@@ -157,6 +157,8 @@ def _write_trajectories(path: Path, study: SlopeStudy, first: Runs) -> list[np.n
                 if place is not None:
                     x, y = table.x_m.to_numpy(), table.y_m.to_numpy()
                     table["easting_m"], table["northing_m"] = place.coordinates(x)
+                    if not len(x):  # ended at its release
+                        x, y = runs.x[i : i + 1], runs.y[i : i + 1]
                     lines.append(_line(place, x, y))
                 table.to_csv(
                     file,

@@ -211,7 +211,7 @@ def comparison_report(
     for law, dataset in datasets.items():
         stops = (place_text(v, 5) for v in _stop_percentiles(dataset))
         ended = (counts[law].get(ending, 0) for ending in endings)
-        rows.append((law, *ended, float(np.median(dataset.impacts)), *stops))
+        rows.append((law, *ended, _percentile(dataset, "impacts", 50), *stops))
     heads = ("impacts", *(f"{p} %" for p in PERCENTILES), "farthest")
     lines = [f"The same {first.sizes['block']} blocks by {len(datasets)} laws."]
     if str(Ending.failed) in endings:
@@ -259,15 +259,23 @@ def _passages(datasets: Mapping[str, xr.Dataset], place: int) -> Sequence[Part]:
 def _law_table(datasets: Mapping[str, xr.Dataset]) -> Table:
     rows = []
     for law, dataset in datasets.items():
-        valid = valid_blocks(dataset)
         largest = (
-            np.percentile(dataset[name].values[valid], 95) if np.any(valid) else np.nan
+            _percentile(dataset, name, 95)
             for name in ("max_height_m", "max_speed_mps", "max_energy_J")
         )
         counts = [counts_of(dataset).get(str(ending), 0) for ending in Ending]
-        numbers = (np.median(dataset.impacts), *_stop_percentiles(dataset), *largest)
+        impacts = _percentile(dataset, "impacts", 50)
+        numbers = (impacts, *_stop_percentiles(dataset), *largest)
         rows.append((law, dataset.sizes["block"], *counts, *map(float, numbers)))
     return Table(LAW_COLUMNS, rows)
+
+
+def _percentile(dataset: xr.Dataset, name: str, percent: float) -> float:
+    """Compute a percentile over the blocks that did not fail and have the number, which
+    one that ends at its release may lack; NaN without any."""
+    values = dataset[name].values[valid_blocks(dataset)]
+    values = values[np.isfinite(values)]
+    return float(np.percentile(values, percent)) if len(values) else float("nan")
 
 
 def _stop_percentiles(dataset: xr.Dataset) -> np.ndarray:
