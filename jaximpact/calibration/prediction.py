@@ -33,7 +33,7 @@ from .fitted_ground import FittedGround, FittedVariant
 from .problem.config import Study
 from .problem.dataset import Measurements
 from .problem.forward_model import ForwardModel, models_of
-from .problem.nuisance import EACH_TEST, open_nuisances
+from .problem.nuisance import open_nuisances
 from .problem.objective import Objective
 
 TAIL = (1.0 - CONFIDENCE) / 2.0
@@ -214,10 +214,8 @@ def unknowns(
         chosen = np.searchsorted(np.cumsum(weights), middles)
         of_fit, weights = of_fit[chosen], np.full(count, 1.0 / count)
     best, draws = [*fitted.best[:soil]], [*of_fit[:, :soil].T]
-    stated = study.tests.files[0].labels
     for nuisance in study.nuisances:
-        # A file name in place of a campaign does not show that it is the same.
-        named = nuisance.by != EACH_TEST and nuisance.by in stated
+        named = nuisance.names_groups(study.tests)
         for place in range(len(nuisance.groups)):
             label = nuisance.label(place)
             if named and label in fitted.unknowns:

@@ -196,12 +196,12 @@ def _study() -> dict[str, Schema]:
 
     number: Schema = {"type": "number"}
     prior = _closed({"mean": number, "sd": {**number, "exclusiveMinimum": 0}})
+    by = _words((*LABEL_COLUMNS, "row"))
     fitted = _closed(
         {"start": number, "lower": number, "upper": number, "prior": prior}
-        | {"expression": TEXT, "by": _words((*LABEL_COLUMNS, "row"))}
-        | {"group_sd": number}
+        | {"expression": TEXT, "by": by, "group_sd": number}
     )
-    nuisance = _closed({"by": _words((*LABEL_COLUMNS, "row")), "prior": prior})
+    nuisance = _closed({"by": by, "prior": prior})
     soil = [name for name, column in _columns().items() if column.part == "soil"]
     scatter = _words(SCATTERS)
     known = {

@@ -88,7 +88,7 @@ def exact_models(scene: Scene):
     and all places that there may be.
 
     Fields are arrays that broadcast, of JAX while it traces: then the place is one too.
-    NaN stands for what is not known. For no scenes there may be the planar model.
+    NaN stands for what is not known. An empty array gets the planar model.
     """
     impact = scene.impact
     vertical = (

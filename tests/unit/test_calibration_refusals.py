@@ -266,6 +266,17 @@ def test_a_table_that_cannot_be_used(tmp_path, table, words):
     assert_one_line(error.value, str(tmp_path), *words)
 
 
+def test_times_without_a_force_among_the_targets_mean_nothing(tmp_path):
+    table = tmp_path / "tests.csv"
+    for text in ("time_s,e_n\n0.1,0.3\n", "time_s,normal_force_N,e_n\n0.1,1e5,0.3\n"):
+        table.write_text(text)
+        path = tmp_path / "study.toml"
+        path.write_text(
+            'data = "tests.csv"\ntargets = ["e_n"]\n[parameters]\nk_E = {}\n'
+        )
+        assert np.all(read_study(path).comparable)
+
+
 def test_a_study_and_a_table_that_do_not_fit(written):
     path = written(block('shape = "EllipticCylinder"'))
     (path.parent / "north.csv").write_text("shape,e_n\nEllipsoid,0.1\n")

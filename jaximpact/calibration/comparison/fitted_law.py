@@ -29,7 +29,6 @@ from ..problem.config import Study
 from ..problem.fitted_parameters import DEFAULTS, Parameter
 from ..problem.forward_model import models_of
 from ..problem.noise import least_size
-from ..problem.nuisance import EACH_TEST
 from ..problem.objective import Objective, Points, names_of
 from ..study import best_fit
 from .contenders import SIMPLE, Contender
@@ -251,8 +250,7 @@ def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
     places, values = [*range(fitted.parameters)], [*fitted.values[: fitted.parameters]]
     known, variances = [*places], [0.0] * len(places)
     for nuisance in study.nuisances:
-        # A file name in place of a campaign does not show that it is the same.
-        named = nuisance.by != EACH_TEST and nuisance.by in study.tests.files[0].labels
+        named = nuisance.names_groups(study.tests)
         for group in range(len(nuisance.groups)):
             label = nuisance.label(group)
             if named and label in fitted.unknowns:

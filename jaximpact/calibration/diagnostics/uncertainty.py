@@ -10,7 +10,8 @@ with h and v those of the loss: 1 for Gaussian scatter, the curvature of the los
 limit; for a robust loss the mean of its second derivative, and of its slope squared
 over (n - p) / n (Huber 1981, section 7.6). The covariance is H^-1 V H^-1, its inverse
 the Fisher matrix. Where sigmas are given and the misfit is larger than they allow, the
-covariance is multiplied by the reduced chi-square.
+covariance is multiplied by the reduced chi-square; with a robust loss chi-square is the
+sum of u times the slope of the loss, over its mean under Gaussian scatter.
 
 Where the sigma of a target is estimated from many measurements, v is the squared slope
 of each over 1 - leverage, so that the scatter may differ between tests (White 1980;
@@ -94,10 +95,10 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     """
     study = objective.study
     soil = len(study.parameters)
-    curvature, variance, squares, freedom = _parts(objective, points)
-    reduced = squares / freedom if freedom > 0.5 else float("nan")
+    curvature, variance, chi_square, freedom = _parts(objective, points)
+    reduced = chi_square / freedom if freedom > 0.5 else float("nan")
     all_given = np.all(study.sigma_given)
-    poor = all_given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE
+    poor = all_given and freedom > 0.5 and chdtrc(freedom, chi_square) < IMPROBABLE
     inflation = reduced if poor else 1.0
     covariance = _sandwich(curvature, variance)
     alone = np.diag(pseudo_inverse(curvature))
@@ -241,23 +242,23 @@ def bounds_information(objective: Objective) -> np.ndarray:
 
 
 def _parts(objective: Objective, points: Points):
-    """Compute H, V, the sum of squares of the exact residuals, those of a robust loss
-    by their pull, and the degrees of freedom."""
+    """Compute H, V, the chi-square of the exact residuals, and the degrees of
+    freedom."""
     study = objective.study
     rows, used, u = standardised_rows(objective, points)
     exact = used & (study.censored.ravel() == 0)
     prior = objective.prior_information(points.x[0])
     leverage = leverages(objective, points).ravel()
     freedom = float(np.sum(exact) - np.sum(leverage[exact]))
-    h, v = _of_loss(objective, u, exact, leverage, freedom)
+    of = losses(u, study.censored.ravel(), study.loss)
+    h, v = _of_loss(study, of, u, exact, leverage, freedom)
     weights = np.where(used, weights_of_cells(study), 0.0)
     curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
     variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
     if freedom < MANY:
         variance += _of_estimated_weights(objective, points)
-    pull = losses(u, study.censored.ravel(), study.loss).slope
-    squares = np.sum((u * pull)[exact]) / scale_of_normal(study.loss)
-    return curvature, variance, float(squares), freedom
+    chi_square = np.sum((u * of.slope)[exact]) / scale_of_normal(study.loss)
+    return curvature, variance, float(chi_square), freedom
 
 
 def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:
@@ -270,9 +271,7 @@ def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:
     return term
 
 
-def _of_loss(objective, u, exact, leverage, freedom):
-    study = objective.study
-    of = losses(u, study.censored.ravel(), study.loss)
+def _of_loss(study, of, u, exact, leverage, freedom):
     mean_curvature = mean_square = 1.0
     if study.loss != "gaussian" and np.any(exact):
         count = np.sum(exact)

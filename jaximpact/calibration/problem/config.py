@@ -133,7 +133,7 @@ class Study:
     def comparable(self) -> np.ndarray:
         """Mask of what a test can have measured, shape (tests, targets): forces at a
         time where it has one, else the other targets."""
-        timed = np.isfinite(self.tests.times)
+        timed = self.tests.at_times(self.targets)
         return timed[:, None] == np.isin(self.targets, [*CURVE_COLUMNS])
 
     @property
@@ -352,10 +352,10 @@ def _check_fitted_once(top, tests, parameters, nuisances, fixed, variants) -> No
             raise top["nuisance"][nuisance.name].error(
                 "stands under parameters too; remove one"
             )
-        for i, variant in enumerate(variants, 1):
-            if nuisance.name in variant.soil:
+        for place, values in toml[1:]:
+            if nuisance.name in values:
                 raise top["nuisance"][nuisance.name].error(
-                    f"stands in variants[{i}] too; remove one"
+                    f"stands in {place} too; remove one"
                 )
     for where, values in toml:
         for name in values:

@@ -114,6 +114,12 @@ class Measurements:
         """Time of the forces of each test [s], shape (tests,); NaN without one."""
         return self.inputs.get(TIME_COLUMN, np.full(len(self), np.nan))
 
+    def at_times(self, targets: Collection[str]) -> np.ndarray:
+        """Mask of the tests of which forces at a time are compared, shape (tests,); none
+        where no force is a target."""
+        has_force = any(name in CURVE_COLUMNS for name in targets)
+        return np.isfinite(self.times) & has_force
+
     @property
     def sources(self) -> list[SceneTable]:
         """Tables of all files that were read, those of curves too."""

@@ -163,7 +163,7 @@ def check_constants(
         for name in one.constants:
             if name in nuisances:
                 raise top["parameters"][one.name]["expression"].error(
-                    f"names {name}, which is a nuisance"
+                    f"names {name}, which is a nuisance; write its value instead"
                 )
             if name in changed:
                 raise top["parameters"][one.name]["expression"].error(

@@ -104,7 +104,7 @@ class ForwardModel:
         self.impacts = impacts
         is_curve = np.isin(targets, [*CURVE_COLUMNS])
         others, curves = np.sum(~is_curve), np.sum(is_curve)
-        timed = np.isfinite(tests.times) & np.any(is_curve)
+        timed = tests.at_times(targets)
         slot = np.zeros(len(tests), int)
         for test in np.flatnonzero(timed):
             before = self.impact[:test][timed[:test]]

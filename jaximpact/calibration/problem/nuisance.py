@@ -54,6 +54,11 @@ class Nuisance:
         """Return the name of a group's value."""
         return f"{self.name}[{self.groups[group]}]"
 
+    def names_groups(self, tests: Measurements) -> bool:
+        """Tell whether tests name its groups, so that those of a fit are found again:
+        not where each test is a group, nor where a file name stands for a campaign."""
+        return self.by != EACH_TEST and self.by in tests.files[0].labels
+
 
 def read_prior(key: Key, entry, mean: float | None = None) -> Prior:
     """Read a prior like `{ mean = 30.0, sd = 5.0 }`; the mean may have a default."""

@@ -71,7 +71,7 @@ def _targets(top: Key, content: dict, tests: Measurements, nuisances):
         known = np.isfinite(tests.measured[name])
         if not np.any(known):
             raise InputError("holds no measurement; remove it", file=first, column=name)
-        timed = np.isfinite(tests.times)
+        timed = tests.at_times(targets)
         if name not in CURVE_COLUMNS and np.any(known & timed):
             file, row = tests.place(np.flatnonzero(known & timed)[0])
             raise InputError(
@@ -152,7 +152,7 @@ def _open(content, targets, sigma_given, measured) -> tuple[str, ...]:
     stated = content.get("scatter", {})
     if isinstance(stated, str):
         return ()
-    # Not `fmax`: an empty cell has no size.
+    # With `fmax` an empty cell would count as a small value.
     size = np.maximum(np.abs(measured), least_size(measured))
     wide = np.nanmax(size, axis=0) >= DECADE * np.nanmin(size, axis=0)
     of_one_sign = np.nanmin(measured, axis=0) * np.nanmax(measured, axis=0) >= 0.0

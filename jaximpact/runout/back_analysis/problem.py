@@ -117,7 +117,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     rest = {k: v for k, v in content.items() if k not in ("observed", FIT, "title")}
     files = {f.name: c for f, c in (slope.checksums | law.checksums).items()}
     observed = read_observed(path, content, profile, slope.seed)
-    # With a digest of the code of those that are the user's
+    # Those of a user with a digest of their code: data sets of other code are not used.
     parts = part_names(slope.ground.soil, slope.blocks.base)
     back_analysis = SlopeFit(
         path=path,

@@ -26,7 +26,7 @@ from ...reports.tables import Table, interval_text, place_text
 from ...units import variable_attributes
 from ..coordinates import LARGEST
 from ..terrain import Profile, check_inside
-from ..trajectory import Ending
+from .endings import valid_blocks
 from .intervals import (
     DIFFERS,
     is_apart,
@@ -255,7 +255,7 @@ def _share(counts: np.ndarray, blocks: np.ndarray) -> Estimate:
 def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
     """Estimate shares and design values at the barriers of a result; none where it has
     none."""
-    counted, at_barriers = dataset.ending.values != str(Ending.failed), []
+    counted, at_barriers = valid_blocks(dataset), []
     for name in dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []:
         here = dataset.sel(barrier=name)
         numbers = (here.barrier_x_m, here.barrier_height_m, here.barrier_capacity_J)

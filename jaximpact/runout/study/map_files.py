@@ -157,7 +157,7 @@ def _write_trajectories(path: Path, study: SlopeStudy, first: Runs) -> list[np.n
                 if place is not None:
                     x, y = table.x_m.to_numpy(), table.y_m.to_numpy()
                     table["easting_m"], table["northing_m"] = place.coordinates(x)
-                    if not len(x):  # ended at its release
+                    if not len(x):  # it ended at its release
                         x, y = runs.x[i : i + 1], runs.y[i : i + 1]
                     lines.append(_line(place, x, y))
                 table.to_csv(
@@ -175,7 +175,7 @@ def _line(place: MapPlacement, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Place a trajectory on the map; positions at which it stays are there once."""
     positions = _positions(place, x, y)
     stays = np.all(positions[1:] == positions[:-1], axis=1)
-    kept = positions[np.append(True, ~stays)]
+    kept = np.concatenate([positions[:1], positions[1:][~stays]])
     # A line takes two positions, that of a block that never moved too.
     return np.repeat(kept, 2, axis=0) if len(kept) == 1 else kept
 

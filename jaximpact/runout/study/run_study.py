@@ -34,6 +34,7 @@ from ..scheduler import WIDTH, follow
 from ..terrain import ground_columns
 from ..trajectory import NOTABLE_E_N, Ending, Runs, state_after, stretches_of
 from .barriers import barrier_variables
+from .endings import valid_blocks
 from .second_run import (
     LEFT_OUT,
     PREFIX,
@@ -294,7 +295,7 @@ def _with_second(
 def _warn_of_speed(dataset: xr.Dataset) -> None:
     """Warn of blocks faster than nearly all on Earth: a slope in feet may be as long as
     others in metres, but its blocks are nearly twice as fast."""
-    speeds = dataset.max_speed_mps.values[dataset.ending.values != str(Ending.failed)]
+    speeds = dataset.max_speed_mps.values[valid_blocks(dataset)]
     # A block that ends at its release may have none.
     fastest = np.fmax.reduce(speeds, initial=0.0)
     if fastest > FASTEST:
