@@ -115,8 +115,8 @@ class Measurements:
         return self.inputs.get(TIME_COLUMN, np.full(len(self), np.nan))
 
     def at_times(self, targets: Collection[str]) -> np.ndarray:
-        """Mask of the tests of which forces at a time are compared, shape (tests,); none
-        where no force is a target."""
+        """Find the tests whose forces at a time are compared, as a mask (tests,); none
+        where no force is among the targets."""
         has_force = any(name in CURVE_COLUMNS for name in targets)
         return np.isfinite(self.times) & has_force
 
