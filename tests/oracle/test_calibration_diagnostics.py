@@ -9,7 +9,7 @@ import pytest
 from calibrated_twin import results_of_model
 from calibration_studies import Linear, fit, objective_of, study_of_columns
 from error_messages import assert_one_line_error
-from scipy.stats import binomtest, lognorm, ttest_1samp
+from scipy.stats import binomtest, lognorm, truncnorm, ttest_1samp
 from scipy.stats import t as student
 
 from jaximpact import PRESETS
@@ -95,6 +95,68 @@ def test_draws_of_a_normal_posterior():
     apart = found.covariance() - uncertainty.covariance
     # Errors of 2.3 % on variances: 4 of them.
     assert np.all(np.abs(apart) < 0.1 * np.outer(error, error))
+
+
+def test_draws_of_a_prior_that_the_tests_leave_alone():
+    """They are of the normal distribution of the prior, cut off at the bounds, though
+    drawn in the logarithm of the parameter."""
+    bounds = {"start": 1.0, "lower": 0.01, "upper": 100.0}
+    study = study_of_columns(
+        {"speed_mps": 1.0, "e_n": [0.1]},
+        parameters={"c_v": bounds | {"prior": {"mean": 1.0, "sd": 0.5}}},
+        default_sigma={"e_n": 1e3},
+    )
+    objective = Linear(study, matrix=np.ones((1, 1)))
+    points = fit(objective, np.zeros((1, 1))).points
+    found = draw(objective, points, 1.0, count=4000)
+    value, weights = np.exp(found.x[:, 0]), found.weights
+    exact = truncnorm((0.01 - 1.0) / 0.5, np.inf, loc=1.0, scale=0.5)
+    # Four standard errors of the mean of the effective draws.
+    error = exact.std() / np.sqrt(found.effective)
+    assert abs(weights @ value - exact.mean()) < 4.0 * error
+    below = weights @ (value < 0.5)
+    assert abs(below - exact.cdf(0.5)) < 4.0 * 0.5 / np.sqrt(found.effective)
+
+
+def test_sigmas_that_are_too_small_leave_priors_as_they_are():
+    """Of a mean under a normal prior: estimate, interval and draws by hand, for x twice
+    the parameter."""
+    measured = 0.2 + 0.2 * np.tile([1.0, -1.0], 8)
+    study = study_of_columns(
+        {"speed_mps": 1.0, "e_n": measured},
+        parameters={
+            "dilatancy": {
+                "start": 0.5,
+                "lower": 0.0,
+                "upper": 1.0,
+                "prior": {"mean": 0.7, "sd": 0.05},
+            }
+        },
+        default_sigma={"e_n": SIGMA},
+    )
+    objective = Linear(study, matrix=np.full((16, 1), 0.5))
+    points = fit(objective, np.full((1, 1), 1.4)).points
+    found = estimate(objective, points)
+    of_tests, of_prior = 16.0 / SIGMA**2, 1.0 / 0.05**2
+    mean = (0.2 * of_tests + 0.7 * of_prior) / (of_tests + of_prior)
+    assert 0.5 * points.x[0, 0] == pytest.approx(mean, abs=1e-6)
+    freedom = 16.0 - of_tests / (of_tests + of_prior)
+    inflation = np.sum((measured - mean) ** 2) / SIGMA**2 / freedom
+    assert found.inflation == pytest.approx(inflation, rel=1e-6)
+    assert inflation > 10.0
+    error = np.sqrt(inflation * of_tests + of_prior) / (of_tests + of_prior)
+    assert 0.5 * found.standard_errors[0] == pytest.approx(error, rel=1e-6)
+    (profile,) = profile_all(objective, points, found)
+    ends = mean - error, mean + error
+    np.testing.assert_allclose((profile.low, profile.high), ends, rtol=1e-4)
+    drawn = draw(objective, points, inflation, count=4000)
+    precision = of_tests / inflation + of_prior
+    centre = (0.2 * of_tests / inflation + 0.7 * of_prior) / precision
+    # Four standard errors.
+    error = np.sqrt(1.0 / precision / drawn.effective)
+    assert abs(0.5 * drawn.mean()[0] - centre) < 4.0 * error
+    ratio = 0.25 * drawn.covariance()[0, 0] * precision
+    assert abs(ratio - 1.0) < 4.0 * np.sqrt(2.0 / drawn.effective)
 
 
 def test_draws_that_do_not_count_are_drawn_again(monkeypatch):

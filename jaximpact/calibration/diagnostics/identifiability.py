@@ -4,7 +4,7 @@ The profile likelihood of a parameter is the lowest cost with the parameter fixe
 all others fitted again. An interval of it holds the values at which the likelihood
 ratio to the best fit is small enough,
 
-$$ 2 \, (C(x) - C(\hat x)) / (s^2 v) \le q^2, $$
+$$ 2 \, (C(x) - C(\hat x)) / v \le q^2, $$
 
 with q = 1 for 68 % and its quantile (`uncertainty`) for 95 %, and v the variance of the
 parameter over that of the curvature alone: the likelihood, which does not know how
@@ -48,7 +48,7 @@ class LikelihoodProfile(NamedTuple):
     """Values at which it was fixed, and that of the best fit [unit of the column]."""
     rise: np.ndarray
     """Likelihood-ratio statistic: twice the rise of the cost from its minimum, over
-    inflation and `profile_scale`; 1 is one standard deviation."""
+    `profile_scale`; 1 is one standard deviation."""
     low: float | None
     high: float | None
     """Ends of the 68 % interval, interpolated; None where it reaches the bound."""
@@ -235,8 +235,8 @@ def _rise(
     # At a bound the best fit is one of the points.
     along, first = np.unique(fits.x[rows, index], return_index=True)
     costs = fits.cost[rows][first]
-    scale = uncertainty.inflation * uncertainty.profile_scale[index]
-    return along, 2.0 * (costs - np.min(costs)) / scale
+    risen = 2.0 * (costs - np.min(costs))
+    return along, risen / uncertainty.profile_scale[index]
 
 
 def _within(x: np.ndarray, rise: np.ndarray, limit: float):
@@ -299,7 +299,11 @@ def judge_all(
     """
     bounds, x = objective.bounds, best.points.x[0]
     reached, prior = bounds.bound_reached(x), objective.prior_information(x)
-    risen = 2.0 * (ends.points.cost - best.points.cost[0]) / uncertainty.inflation
+    costs, of_best = (
+        objective.inflated(fits.points.x, fits.points.cost, uncertainty.inflation)
+        for fits in (ends, best)
+    )
+    risen = 2.0 * (costs - of_best)
     verdicts = []
     for place, parameter in enumerate(objective.study.parameters):
         error, reasons = float(uncertainty.standard_errors[place]), []

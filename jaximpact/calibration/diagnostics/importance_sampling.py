@@ -3,10 +3,12 @@ r"""Importance sampling of the posterior: weighted draws of the unknowns.
 The proposal is Student's distribution of 5 degrees of freedom about the best fit with
 the covariance of the curvature (Laplace), restricted to the bounds; the weights are
 
-$$ w \propto e^{-\text{cost} / s^2} / q(x) , $$
+$$ w \propto e^{-C_t / s^2 - C_p} \, p'(x) / q(x) , $$
 
-with s^2 the inflation of the covariance and q the density of the proposal. Without a
-prior of the study the prior is uniform in x between the bounds. Where the effective
+with C_t and C_p the parts of tests and priors in the cost, s^2 the inflation, and q the
+density of the proposal. A prior is a density of p, hence the derivative p' of the
+unknowns with one; without a prior of the study it is uniform in x between the bounds.
+Where the effective
 sample size is small, more are sampled, of a proposal that is fitted to the weighted
 draws; q is then the mixture of all proposals (adaptive multiple importance sampling,
 Cornuet et al. 2012).
@@ -123,7 +125,8 @@ def sample(
         rounds.append((standard, x, drawn.cost, drawn.predicted))
         standard, x, cost, predicted = map(np.concatenate, zip(*rounds, strict=True))
         mixture = [proposal.log_density(standard) for proposal in proposals]
-        log_weight = -cost / inflation - np.logaddexp.reduce(mixture, axis=0)
+        log_weight = objective.log_density(x, cost, inflation)
+        log_weight -= np.logaddexp.reduce(mixture, axis=0)
         effective = 1.0 / np.sum(normalised(log_weight) ** 2)
         fractions.append(effective / len(x))
         if effective >= ENOUGH * count or np.min(cost) < enough_below:

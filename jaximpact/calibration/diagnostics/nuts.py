@@ -1,8 +1,7 @@
 r"""Sampling of the posterior by NUTS (Hoffman and Gelman 2014), with blackjax.
 
-The density is that of `importance_sampling`: e^{-cost / s^2}, uniform in x between the
-bounds where there is no prior, with the sigmas of the fit. It is sampled in y, without
-bounds,
+The density is that of `importance_sampling`, with the sigmas of the fit. It is sampled
+in y, without bounds,
 
 $$ x = x_{low} + (x_{high} - x_{low}) / (1 + e^{-y}) , $$
 
@@ -90,7 +89,9 @@ def sample_posterior(
         def log_density(y: jax.Array) -> jax.Array:
             # The logarithm of dx/dy, up to a constant.
             slope = jax.nn.log_sigmoid(y) + jax.nn.log_sigmoid(-y)
-            return jnp.sum(slope) - objective.cost(unknowns(y)) / inflation
+            x = unknowns(y)
+            density = objective.log_density(x, objective.cost(x), inflation)
+            return jnp.sum(slope) + density
 
         # Draws at a bound would be at infinity.
         y = logit(np.clip(bounds.fraction(draws.x), 1e-6, 1.0 - 1e-6))

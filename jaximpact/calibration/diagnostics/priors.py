@@ -1,15 +1,15 @@
 r"""Priors that the tests contradict.
 
-Without the prior of a parameter the fit has a cost C_0; with it, and with the sigmas of
-that fit, C_1. Of a linear model with Gaussian scatter
+Without the prior of a parameter the fit has a cost C_0; with it, C_1, both with the
+sigmas, inflated, of a fit without it. Of a linear model with Gaussian scatter
 
-$$ z = \sqrt{2 \, (C_1 - C_0) / s^2}
+$$ z = \sqrt{2 \, (C_1 - C_0)}
    = |\hat p_0 - m| / \sqrt{\sigma_0^2 + \sigma_m^2} $$
 
 is the distance of the estimate p_0 from the tests alone and the mean m of the prior in
-standard deviations of both, with s^2 the inflation of that fit. The sigmas must not be
-those of the fit with the prior: estimated from residuals that the prior causes, they
-are so wide that nothing contradicts it.
+standard deviations of both. The sigmas must not be those of the fit with the prior:
+estimated from residuals that the prior causes, they are so wide that nothing
+contradicts it.
 """
 
 from typing import NamedTuple
@@ -59,10 +59,11 @@ def _disagreement(objective: Objective, best: Fits, place: int) -> Disagreement 
     free = objective.without_prior(place)
     free, alone = settle(free, fit_along(free, x), fit_along)
     of_tests = estimate(free, alone.points)
-    with_prior = objective.with_sigma(free.sigma)
-    ends = fit(with_prior, np.stack([x, alone.points.x[0]]))
-    rise = np.min(ends.points.cost) - alone.points.cost[0]
-    deviations = float(np.sqrt(max(2.0 * rise / of_tests.inflation, 0.0)))
+    sigma = free.sigma * np.sqrt(of_tests.inflation)
+    inflated = fit_along(free.with_sigma(sigma), alone.points.x[0])
+    ends = fit(objective.with_sigma(sigma), np.stack([x, inflated.points.x[0]]))
+    rise = np.min(ends.points.cost) - inflated.points.cost[0]
+    deviations = float(np.sqrt(max(2.0 * rise, 0.0)))
     if deviations < max(LEAST, of_tests.quantile[place]):
         return None
     there, bounds = alone.points.x[0], objective.bounds

@@ -4,14 +4,16 @@ With J the Jacobian of the predictions over sigma with respect to x, w the weigh
 the targets and P the information of the priors, the curvature of the objective and the
 variance of its gradient are
 
-$$ H = \sum_i w_i h_i J_i^T J_i + P, \qquad V = \sum_i w_i^2 v_i J_i^T J_i + P, $$
+$$ H = \sum_i w_i h_i J_i^T J_i + P, \qquad
+   V = s^2 \sum_i w_i^2 v_i J_i^T J_i + P, $$
 
 with h and v those of the loss: 1 for Gaussian scatter, the curvature of the loss for a
 limit; for a robust loss the mean of its second derivative, and of its slope squared
 over (n - p) / n (Huber 1981, section 7.6). The covariance is H^-1 V H^-1, its inverse
-the Fisher matrix. Where sigmas are given and the misfit is larger than they allow, the
-covariance is multiplied by the reduced chi-square; with a robust loss chi-square is the
-sum of u times the slope of the loss, over its mean under Gaussian scatter.
+the Fisher matrix. The inflation s^2 is 1; where sigmas are given and the misfit is
+larger than they allow, it is the reduced chi-square, in which a robust loss has the sum
+of u times its slope, over its mean under Gaussian scatter. Priors are not inflated:
+residuals say nothing about them.
 
 Where the sigma of a target is estimated from many measurements, v is the squared slope
 of each over 1 - leverage, so that the scatter may differ between tests (White 1980;
@@ -60,7 +62,7 @@ class Uncertainty(NamedTuple):
     """Covariance in x: standard errors are relative for positive parameters."""
 
     inflation: float
-    """Factor on the covariance; 1 where the given sigmas can be true."""
+    """Factor on the squares of the given sigmas; 1 where they can be true."""
     reduced_chi_square: float
     """Chi-square of the exact measurements over the degrees of freedom; NaN without
     any."""
@@ -74,7 +76,7 @@ class Uncertainty(NamedTuple):
     """The same of a measurement, by all degrees of freedom."""
     profile_scale: np.ndarray
     """Variance of each unknown over that of the curvature alone, shape (unknowns,): 1
-    where both matrices above are the same."""
+    where both matrices above are the same, the inflation without priors."""
     covariance: np.ndarray
     """Covariance in x, shape (unknowns, unknowns)."""
     standard_errors: np.ndarray
@@ -95,21 +97,22 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     """
     study = objective.study
     soil = len(study.parameters)
-    curvature, variance, chi_square, freedom = _parts(objective, points)
+    curvature, variance, prior, chi_square, freedom = _parts(objective, points)
     reduced = chi_square / freedom if freedom > 0.5 else float("nan")
     all_given = np.all(study.sigma_given)
     poor = all_given and freedom > 0.5 and chdtrc(freedom, chi_square) < IMPROBABLE
     inflation = reduced if poor else 1.0
+    curvature, variance = curvature + prior, variance * inflation + prior
     covariance = _sandwich(curvature, variance)
     alone = np.diag(pseudo_inverse(curvature))
     known = (np.diag(covariance) < 1e12) & (alone > 0.0)
-    scale = np.where(known, np.diag(covariance) / np.where(known, alone, 1.0), 1.0)
-    covariance = covariance * inflation
+    variances = np.diag(covariance) / np.where(known, alone, 1.0)
+    scale = np.where(known, variances, inflation)
     of_all = freedom if not all_given or inflation > 1.0 else np.inf
     of_each = np.full(soil, of_all)
     if not all_given:
         of_each = freedom_of_variances(objective, points)
-    fisher = _fisher(curvature, variance, soil) / inflation
+    fisher = _fisher(curvature, variance, soil)
     return Uncertainty(
         inflation=inflation,
         reduced_chi_square=reduced,
@@ -221,17 +224,19 @@ def regular_covariance(
     An unknown without a prior gets the information of a uniform distribution over its
     range, 12 / range^2.
     """
-    curvature, variance, _, _ = _parts(objective, points)
-    extra = np.diag(bounds_information(objective))
-    half = inverse_positive(curvature / inflation + extra)
-    return half @ (variance / inflation + extra) @ half
+    curvature, variance, prior, _, _ = _parts(objective, points)
+    # As much beside the curvature as with sigmas that need no inflation.
+    extra = inflation * np.diag(bounds_information(objective))
+    half = inverse_positive(curvature + prior + extra)
+    return half @ (inflation * (variance + extra) + prior) @ half
 
 
 def laplace(objective: Objective, points: Points, inflation: float) -> np.ndarray:
     """Approximate the covariance of the posterior by Laplace's method: from the
     curvature alone, with the sigmas taken as true."""
-    curvature = _parts(objective, points)[0] / inflation
-    return inverse_positive(curvature + np.diag(bounds_information(objective)))
+    curvature, _, prior, _, _ = _parts(objective, points)
+    extra = np.diag(bounds_information(objective))
+    return inverse_positive(curvature / inflation + prior + extra)
 
 
 def bounds_information(objective: Objective) -> np.ndarray:
@@ -242,23 +247,23 @@ def bounds_information(objective: Objective) -> np.ndarray:
 
 
 def _parts(objective: Objective, points: Points):
-    """Compute H, V, the chi-square of the exact residuals, and the degrees of
-    freedom."""
+    """Compute the parts of the tests in H and, before inflation, in V, the part P of
+    the priors, the chi-square of the exact residuals, and the degrees of freedom."""
     study = objective.study
     rows, used, u = standardised_rows(objective, points)
     exact = used & (study.censored.ravel() == 0)
-    prior = objective.prior_information(points.x[0])
+    prior = np.diag(objective.prior_information(points.x[0]))
     leverage = leverages(objective, points).ravel()
     freedom = float(np.sum(exact) - np.sum(leverage[exact]))
     of = losses(u, study.censored.ravel(), study.loss)
     h, v = _of_loss(study, of, u, exact, leverage, freedom)
     weights = np.where(used, weights_of_cells(study), 0.0)
-    curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
-    variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
+    curvature = (rows.T * (weights * h)) @ rows
+    variance = (rows.T * (weights**2 * v)) @ rows
     if freedom < MANY:
         variance += _of_estimated_weights(objective, points)
     chi_square = np.sum((u * of.slope)[exact]) / scale_of_normal(study.loss)
-    return curvature, variance, float(chi_square), freedom
+    return curvature, variance, prior, float(chi_square), freedom
 
 
 def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:

@@ -11,7 +11,7 @@ a lane.
 
 import copy
 import dataclasses
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -245,9 +245,26 @@ class Objective:
         xp = namespace_of(predicted)
         loss = xp.where(xp.isfinite(predicted), loss, FAILED_COST)
         weights = np.where(self.study.known, self.study.weights, 0.0)
+        return xp.sum(loss * weights, axis=(-2, -1)) + self._prior_cost(p)
+
+    def _prior_cost(self, p):
+        """Compute the part of the priors at parameters p, shape (..., unknowns)."""
         apart = (p - self.prior_mean) / self.prior_sd
-        cost = xp.sum(loss * weights, axis=(-2, -1))
-        return cost + 0.5 * xp.sum(apart**2, axis=-1)
+        return 0.5 * namespace_of(p).sum(apart**2, axis=-1)
+
+    def inflated(self, x, cost, inflation: float) -> Any:
+        """Divide costs at x, shape (..., unknowns), by the inflation s^2, of NumPy or
+        JAX: all but the part of the priors, which residuals say nothing about."""
+        of_priors = self._prior_cost(self.bounds.parameter(x))
+        return (cost - of_priors) / inflation + of_priors
+
+    def log_density(self, x, cost, inflation: float) -> Any:
+        """Compute the logarithm of the posterior density of x, shape (..., unknowns),
+        from costs, of NumPy or JAX, up to a constant: uniform in x without a prior,
+        while a prior is a density of p, which dp/dx turns into one of x."""
+        with_prior = self.bounds.logarithmic & np.isfinite(self.prior_sd)
+        slope = namespace_of(x).sum(x * with_prior, axis=-1)
+        return slope - self.inflated(x, cost, inflation)
 
     def evaluate(self, x, predicted, outcomes, jacobian=None) -> Points:
         """Evaluate the objective of given predictions and of their Jacobian, if there
