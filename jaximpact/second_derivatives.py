@@ -7,6 +7,8 @@ import jax
 import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 
+from .errors import InputError
+
 STEP = 1e-2
 """Step of the differences. First derivatives of `e_n` are smooth to 3e-6 at "balanced"
 and 1e-8 at "reference"; the second ones, some 0.01, come out to 2 % and to 1e-4."""
@@ -30,6 +32,8 @@ def with_second_derivatives(
         The function, with the same values and first derivatives. The second ones are
         central differences of its Jacobian, and the same in either order. They take two
         Jacobians for each parameter. There are no third ones.
+
+    Raises InputError as it is differentiated, for results that are whole numbers.
     """
 
     @jax.custom_jvp
@@ -39,6 +43,12 @@ def with_second_derivatives(
     @twice.defjvp
     def first(primals, tangents):
         value, along = function(*primals), ravel_pytree(*tangents)[0]
+        for leaf in jax.tree.leaves(value):
+            if not jnp.issubdtype(jnp.result_type(leaf), jnp.inexact):
+                raise InputError(
+                    "with_second_derivatives needs a function of real results alone, "
+                    f"but one of them is of type {jnp.result_type(leaf)}"
+                )
         at, tree = ravel_pytree(*primals)
         restored = ravel_pytree(value)[1]
 

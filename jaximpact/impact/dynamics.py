@@ -70,11 +70,10 @@ zero."""
 
 
 class Work(NamedTuple):
-    """Items of the energy ledger (rates in W, or their integrals in J).
+    """Works that the energy ledger is made of (rates in W, or their integrals in J).
 
-    `arm` and `stiffness` are no dissipation: the printed equations imply them. The
-    normal force acts at the foundation's centre, while sinking is measured at the
-    tangency point; and the springs' stiffness changes with the foundation's size.
+    `arm` is no dissipation: the printed equations imply it. The normal force acts at
+    the foundation's centre, while sinking is measured at the tangency point.
     """
 
     gravity: Scalar
@@ -82,7 +81,10 @@ class Work(NamedTuple):
     slider: Scalar
     dashpot: Scalar
     arm: Scalar
-    stiffness: Scalar
+    springs: Scalar
+    """Work on the springs. What they hold beyond it is the work of the change of
+    stiffness, which follows the foundation's size, and at the start what they hold
+    then. Its own rate has a sharp peak where a foundation vanishes under load."""
 
 
 ARM = "arm"
@@ -408,12 +410,11 @@ def work_rate(
     motion: Motion,
     now: Contact,
     elastic_rates: tuple[Scalar, Scalar, Scalar],
-    branch: Branch,
 ) -> Work:
-    """Power of every item of the ledger [W].
+    """Power of every work [W].
 
     Args:
-        ground, motion, now, branch: as for `contact`, and what it gives.
+        ground, motion, now: as for `contact`, and what it gives.
         elastic_rates: rates of the elastic displacements as the integration has them.
 
     What the ground dissipates is its force times the part of the block's motion that
@@ -427,25 +428,6 @@ def work_rate(
         for velocity, rate in zip(now.approach, elastic_rates, strict=True)
     ]
     slip = jnp.where(now.slip == 0.0, 0.0, inelastic[1] - now.flow.tangential)
-
-    def stiffness_at(penetration, rotation, elastic_normal):
-        footing = for_laws(
-            ground, contact_geometry(ground, penetration, rotation, branch)
-        )
-        return ground.soil.elasticity(
-            footing, ground.unit_weight_normal, elastic_normal, branch=branch
-        )
-
-    _, stiffness_rates = jax.jvp(
-        stiffness_at,
-        (motion.penetration, motion.rotation, motion.elastic_normal),
-        (motion.normal_velocity, motion.angular_velocity, elastic_rates[0]),
-    )
-    elastic = (
-        motion.elastic_normal,
-        motion.elastic_tangential,
-        motion.elastic_rotation,
-    )
     return Work(
         gravity=ground.mass
         * (
@@ -463,9 +445,9 @@ def work_rate(
             )
         ),
         arm=arm_power(ground, motion, now),
-        stiffness=_sum(
-            0.5 * displacement**2 * rate
-            for displacement, rate in zip(elastic, stiffness_rates, strict=True)
+        springs=_sum(
+            spring * rate
+            for spring, rate in zip(now.elastic_forces, elastic_rates, strict=True)
         ),
     )
 

@@ -279,7 +279,7 @@ class Problem(eqx.Module):
         return jnp.stack(list(named.values()))
 
     def power(self, vector, rates, branch: Branch) -> Work:
-        """Power of the ledger's items [W], from the unknowns and their rates."""
+        """Power of the works of the ledger [W], from the unknowns and their rates."""
         motion, now = self.contact(vector, branch)
         known = dict(zip(self.model.unknowns, rates, strict=True))
         elastic_rates = tuple(
@@ -287,7 +287,7 @@ class Problem(eqx.Module):
             for name in Motion._fields
             if name.startswith("elastic")
         )
-        return work_rate(self.ground, motion, now, elastic_rates, branch)
+        return work_rate(self.ground, motion, now, elastic_rates)
 
     def margins(self, vector, largest_force) -> Margins:
         """Return the distances to the ends of the impact."""

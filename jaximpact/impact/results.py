@@ -179,6 +179,7 @@ def history_at(
     motion, now = problem.contact(vector, branch)
     ground = problem.ground
     kinetic = kinetic_energy(ground, motion)
+    elastic = elastic_energy(motion, now.stiffness)
     history = History(
         time=time,
         penetration=motion.penetration,
@@ -195,8 +196,8 @@ def history_at(
         foundation_width=now.foundation.width,
         rotational_ratio=0.5 * ground.inertia * motion.angular_velocity**2 / kinetic,
         kinetic=kinetic,
-        elastic=elastic_energy(motion, now.stiffness),
-        **({} if work is None else work._asdict()),
+        elastic=elastic,
+        **({} if work is None else items_of(work, elastic)),
     )
     return jax.tree.map(
         lambda x: jnp.broadcast_to(jnp.asarray(x, float), jnp.shape(time)), history
@@ -206,8 +207,9 @@ def history_at(
 def empty_history(ledger: bool) -> History:
     """Make a zero-filled history, used as a template of its structure."""
     required = [name for name in History._fields if name not in History._field_defaults]
-    names = (*required, *(Work._fields if ledger else ()))
-    zeros: Any = dict.fromkeys(names, 0.0)
+    zeros: Any = dict.fromkeys(required, 0.0)
+    if ledger:
+        zeros |= items_of(Work(*[0.0] * len(Work._fields)), 0.0)
     return History(**zeros)
 
 
@@ -369,6 +371,12 @@ def empty_summary(ledger: LedgerItems) -> ImpactSummary:
     if ledger == ARM:
         zeros["energy"] = arm_alone(0.0)
     return ImpactSummary(**zeros)
+
+
+def items_of(work: Work, elastic) -> dict[str, Any]:
+    """Return the items of the ledger that are works or dissipation, by name."""
+    items = work._asdict()
+    return items | {"stiffness": elastic - items.pop("springs")}
 
 
 def arm_alone(arm) -> EnergyLedger:

@@ -17,7 +17,7 @@ from ..impact.dynamics import (
 )
 from ..impact.events import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from ..impact.problem import Problem, is_in_range, stiffness_of_block
-from ..impact.results import UNDEFINED, EnergyLedger, ImpactSummary, arm_alone
+from ..impact.results import UNDEFINED, EnergyLedger, ImpactSummary, arm_alone, items_of
 from ..restitution import defined_ratio, vijayakumar_coefficient
 from ..scene import GRAVITY, Scene
 from .batched import Lanes, end_lanes
@@ -53,14 +53,15 @@ def outcome_code(end: End, normal_force: Scalar, separating: Scalar) -> Scalar:
 def _closes(problem: Problem, energy: EnergyLedger | None) -> Scalar:
     """Tell whether the ledger, if there is one, closes to what the accuracy promises.
 
-    That is half the fourth root of the tolerance, by the largest item: 9 % at "fast",
-    3 % at "balanced", 0.5 % at "reference". Usual impacts close to a hundredth of that.
-    Steps that leave more have missed something: their results are discarded.
+    That is the root of the tolerance, by the largest item: 3 % at "fast", 0.5 % at
+    "balanced", 0.01 % at "reference". Of 57 000 random impacts, most of them far out,
+    the worst closed to a twentieth of that. Steps that leave more have missed
+    something: their results are discarded.
     """
     if energy is None or problem.ledger == ARM:
         return jnp.ones((), bool)
     largest = jnp.max(jnp.abs(jnp.stack(energy)), axis=0)
-    promised = 0.5 * jnp.sqrt(jnp.sqrt(problem.tolerance))
+    promised = jnp.sqrt(problem.tolerance)
     return jax.lax.stop_gradient(jnp.abs(energy.residual) <= promised * largest)
 
 
@@ -156,13 +157,12 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
     if problem.ledger == ARM:
         energy = arm_alone(jnp.where(separating, 0.0, end.fold.work.arm))
     elif problem.ledger:
-        work = end.fold.work._asdict() | {
-            "elastic": elastic_energy(final, now.stiffness)
-        }
+        elastic = elastic_energy(final, now.stiffness)
+        items = items_of(end.fold.work, elastic) | {"elastic": elastic}
         energy = EnergyLedger(
             kinetic_in=kinetic_in,
             kinetic_out=kinetic_out,
-            **_nothing_if(separating, work),
+            **_nothing_if(separating, items),
         )
     summary = ImpactSummary(
         # A quotient of two equal numbers may be off one by a rounding.

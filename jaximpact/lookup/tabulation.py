@@ -101,12 +101,13 @@ def measure_error(
 
     Args:
         table: the table.
-        impacts: arrays `(n,)`, such as the impacts of a run-out; or the number of
-            random ones.
+        impacts: fields that broadcast to `(n,)`, such as the impacts of a run-out; or
+            the number of random ones.
         accuracy: of the model; by default that of the table.
     """
     are_impacts = isinstance(impacts, Impact)
     sample = impacts if are_impacts else random_impacts(table, impacts)
+    sample = broadcast_scene(Scene(table.block, table.soil, sample))[0].impact
     computed = compute(table.block, table.soil, sample, accuracy or table.accuracy)
     entry = look_up_many(table, sample)
     sample = jax.tree.map(np.asarray, sample)

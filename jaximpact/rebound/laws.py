@@ -214,7 +214,8 @@ class PfeifferBowen(AbstractRebound):
     and the block rolls away without slip, $\Omega' = v_t'/R$, in the direction in which
     it came (its direction of rotation if it came along the normal). The speeds are 30,
     20 and 250 feet a second, in m/s. $R$ is the semi-axis of the block's minor axis:
-    the law is one of spheres. Continuous; a kink where $v_t$ and $\Omega$ are zero.
+    the law is one of spheres. It jumps where $v_t$ changes its sign while the block
+    spins, as the block leaves the way it came; a kink where $\Omega$ is zero too.
 
     Source: Pfeiffer and Bowen (1989), Bull. Assoc. Eng. Geol. 26(1), 135-146, in which
     speeds are in feet a second.

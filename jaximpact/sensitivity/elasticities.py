@@ -13,6 +13,7 @@ from .._settings import numpy_settings
 from ..accuracy import Accuracy, get_accuracy
 from ..backend.rows import compute_rows, in_parts
 from ..batch import broadcast_scene, simulate_batch
+from ..errors import InputError
 from ..impact.events import Outcome
 from ..impact.results import ImpactSummary, empty_summary
 from ..io.checks import check_scene
@@ -156,7 +157,8 @@ def elasticities(
     The first use compiles for some 10 s, for vertical impacts less.
 
     Raises:
-        InputError: an unknown name, with the nearest known; axes as `sweep` refuses.
+        InputError: an unknown name, with the nearest known; axes as `sweep` refuses, or
+            with the name of a dimension or variable of the result.
         ValueError: a value out of its range.
     """
     require_float64()
@@ -217,6 +219,12 @@ def _laid_out(
         shape = tuple(axis.length for axis in grid)
         scenes = spread(base, grid, shape)
         dimensions = tuple(axis.name for axis in grid)
+        for name in dimensions:
+            if name in (*axes_of_names((), ()), *_ATTRIBUTES):
+                raise InputError(
+                    f"axis {name} needs another name, as elasticities have {name} of "
+                    "their own"
+                )
         return scenes, shape, dimensions, coordinates_of(grid, scenes)
     check_scene(base, batched=True)
     if not any(np.ndim(leaf) for leaf in jax.tree.leaves(base)):

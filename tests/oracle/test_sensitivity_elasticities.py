@@ -294,6 +294,13 @@ def test_wrong_names_are_refused_with_the_nearest(arguments, words):
     assert words in str(caught.value)
 
 
+@pytest.mark.parametrize("name", ["parameter", "output_unit", "state", "derivative"])
+def test_an_axis_has_a_name_of_its_own(name):
+    axes = {name: {"name": ["dense", "loose"], "c_v": [1.0, 0.5]}}
+    with pytest.raises(InputError, match=f"axis {name} needs another name"):
+        elasticities(VERTICAL, ("k_E",), axes=axes)
+
+
 # --- text and drawings
 
 

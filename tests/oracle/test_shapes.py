@@ -14,6 +14,7 @@ from shapely import affinity
 from shapely.geometry import box
 
 from jaximpact import (
+    PRESETS,
     Block,
     Impact,
     Outcome,
@@ -224,9 +225,17 @@ def random_scenes(kind, count, seed=5) -> Scene:
     )
 
 
+SOFT = dict(cohesion=np.full(10_000, 1e4), dilatancy=np.full(10_000, 0.7))
+"""Ground that bears a foundation until it vanishes: the block is lifted off under
+load."""
+
+
+@pytest.mark.parametrize("ground", [{}, SOFT], ids=["dry", "cohesive"])
 @pytest.mark.parametrize("kind", SHAPES)
-def test_ten_thousand_scenes_have_no_nan_and_a_ledger_that_closes(kind):
-    found = simulate_batch(random_scenes(kind, 10_000), ledger=True)
+def test_ten_thousand_scenes_have_no_nan_and_a_ledger_that_closes(kind, ground):
+    scenes = random_scenes(kind, 10_000)
+    soil = dataclasses.replace(scenes.soil, **ground)
+    found = simulate_batch(dataclasses.replace(scenes, soil=soil), ledger=True)
     outcome = np.asarray(found.outcome_code)
     failed = outcome == Outcome.failed
     # None of the ellipsoid's; of 10 000 of the others no more than a knife edge.
@@ -235,9 +244,10 @@ def test_ten_thousand_scenes_have_no_nan_and_a_ledger_that_closes(kind):
         assert np.all(np.isfinite(np.asarray(getattr(found, name))[~failed])), name
     largest = np.max(np.abs(np.stack(found.energy)), axis=0)
     residual = np.abs(np.asarray(found.energy.residual)) / largest
-    # What "balanced" promises at the worst, and its usual worst.
-    assert np.nanmax(residual) < 0.03
-    assert np.nanpercentile(residual, 99.0) < 1e-3
+    # Each step errs by the tolerance at most; most contacts have dozens.
+    tolerance = PRESETS["balanced"].tolerance
+    assert np.nanmax(residual) < 5.0 * tolerance
+    assert np.nanpercentile(residual, 99.0) < tolerance
 
 
 def prism_results(values):

@@ -212,16 +212,18 @@ def test_energy_is_not_made(results, preset):
     largest = np.max(np.abs(np.stack(energy)), axis=0)
     # What is dissipated is integrated by quadrature over steps that are long beside
     # what slips and flows: it is the roughest of all results, see `docs/limits.md`.
-    rough = dict(fast=(2e-2, 3e-1), balanced=(1e-3, 5e-2))[preset]
+    rough = dict(fast=2e-2, balanced=1e-3)[preset]
     for item in (energy.viscoplastic, energy.slider):
-        assert np.quantile(-item / largest, 0.99) < rough[0]
-    assert np.quantile(np.abs(residual) / largest, 0.95) < rough[0]
-    assert np.quantile(np.abs(residual) / largest, 0.99) < rough[1]
+        assert np.quantile(-item / largest, 0.99) < rough
+    # Each step errs by the tolerance at most; most contacts have dozens.
+    tolerance = PRESETS[preset].tolerance
+    assert np.quantile(np.abs(residual) / largest, 0.95) < tolerance
+    assert np.quantile(np.abs(residual) / largest, 0.99) < 10.0 * tolerance
     # Where neither gravity nor arm nor stiffness gives any, there is no more than came.
     given = np.maximum(energy.gravity + energy.arm + energy.stiffness, 0.0)
     gained = np.maximum(e_bar**2 - 1.0 - given / energy.kinetic_in, 0.0)
     by_all = 1.0 + given / energy.kinetic_in
-    assert np.quantile(gained / by_all, 0.99) < rough[0]
+    assert np.quantile(gained / by_all, 0.99) < rough
 
 
 DRAWN = dict(
@@ -247,7 +249,7 @@ def test_what_is_not_called_failed_can_be_believed(name):
     assert np.all(np.isfinite(np.stack(numbers)[:, known]))
     assert np.all(result.duration[known] >= 0.0)
     largest = np.max(np.abs(np.stack(result.energy)), axis=0)
-    promised = 0.5 * PRESETS[preset].tolerance ** 0.25 * largest
+    promised = PRESETS[preset].tolerance ** 0.5 * largest
     assert np.all(np.abs(result.energy.residual)[known] <= promised[known])
 
 

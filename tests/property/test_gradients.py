@@ -19,6 +19,7 @@ from jaximpact import (
     simulate,
     with_second_derivatives,
 )
+from jaximpact.errors import InputError
 
 pytestmark = pytest.mark.slow
 
@@ -217,6 +218,13 @@ def test_of_impacts_they_are_those_of_the_values():
     check_grads(
         jax.jit(twice), (logs,), order=2, modes=["fwd", "rev"], eps=1e-2, rtol=1e-2
     )
+
+
+def test_whole_numbers_have_none():
+    twice = with_second_derivatives(lambda x: (x**2, jnp.argmax(x)))
+    assert twice(jnp.ones(2))[1] == 0
+    with pytest.raises(InputError, match="one of them is of type int"):
+        jax.jacfwd(twice)(jnp.ones(2))
 
 
 def test_there_are_no_third_ones():

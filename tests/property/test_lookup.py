@@ -108,6 +108,9 @@ def test_at_its_nodes_a_table_is_the_model(which, request):
         assert np.max(error) < 1e-2
     if which == "of_sphere":
         error = measure_error(table, impact)
+        level = dataclasses.replace(impact, slope=np.zeros(MANY))
+        scalar = dataclasses.replace(impact, slope=0.0)
+        assert measure_error(table, scalar) == measure_error(table, level)
         assert error.impacts == np.sum(blows.outcome != Outcome.failed)
         assert error.of_90_percent < 1e-6
         assert error.energy == pytest.approx(error.energy_of_model, rel=1e-3)
