@@ -170,6 +170,27 @@ def test_a_constant_coefficient_is_the_mean():
     assert (high - low) / 2.0 == pytest.approx(half, rel=0.02)
 
 
+def test_sigmas_stated_by_new_tests_stand_for_those_of_the_fit():
+    """Where these were given too: here too small, so that both are inflated."""
+    tests = made_by(ConstantCoefficients(0.4, 0.8), targets=("e_n",))
+    given = study_of_columns(tests, default_sigma={"e_n": 0.1 * NOISE})
+    contender = Contender("constant", ConstantCoefficients)
+    found = law_of_json(fit_law(given, contender).fitted.as_json())
+    assert found.inflation > 10.0
+    stated = np.where(np.arange(len(tests["e_n"])) % 2, 0.3 * NOISE, np.nan)
+    new = study_of_columns(tests | {"sigma_e_n": stated}, default_sigma={"e_n": 1.0})
+    deviation = predict_law(found, contender, new).deviation[:, 0]
+    as_fitted = predict_law(found, contender, given).deviation[:, 0]
+    assert np.array_equal(deviation[::2], as_fitted[::2])
+    of_law = as_fitted**2 - found.inflation * (0.1 * NOISE) ** 2
+    expected = np.sqrt(found.inflation * (0.3 * NOISE) ** 2 + of_law)
+    np.testing.assert_allclose(deviation[1::2], expected[1::2], rtol=1e-12)
+    # Of a sigma that was estimated those of new tests say nothing.
+    free = fit_law(study_of_columns(tests), contender).fitted
+    alike = (predict_law(free, contender, study).deviation for study in (given, new))
+    assert np.array_equal(*alike)
+
+
 def test_densities_are_those_of_scipy():
     u, deviation = (
         np.array([[0.3, -1.2], [2.0, 0.1]]),

@@ -136,6 +136,8 @@ STUDIES = [
     (tied("2 * c_w"), "did you mean 'c_v'"),
     (tied("2 *"), "is no expression"),
     (tied("1 - c_v"), "must be "),
+    # At the start alone, in a hundredth of the range about it.
+    (tied("1e4 * (c_v - 1)**2 - 1"), "must be "),
     (tied("c_v" + " + c_v" * 200), "must be a text"),
     (("alpha_s = { start = 0.9", "alpha_s = { expression = 3.0"), "alpha_s"),
     # Of nuisances.

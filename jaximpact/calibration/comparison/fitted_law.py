@@ -64,6 +64,8 @@ class FittedLaw(NamedTuple):
     given."""
     discrepancy: Discrepancy | None
     """Error of the law outside the fitted tests; None where it is unknown."""
+    inflation: float = 1.0
+    """Factor on the squares of given sigmas; 1 in older files, which have none."""
 
     def of_targets(self, targets: tuple[str, ...]) -> "FittedLaw":
         """Return the fit as one that predicts some of its targets alone."""
@@ -86,7 +88,7 @@ class FittedLaw(NamedTuple):
 
 def law_of_json(entry: dict) -> FittedLaw:
     """Make a fit of the numbers of fit.json."""
-    entry = {"discrepancy": None} | entry  # older files have none
+    entry = {"discrepancy": None, "inflation": 1.0} | entry  # older files have none
     fields = {name: entry[JSON_NAMES.get(name, name)] for name in FittedLaw._fields}
     for name in ("unknowns", "targets"):
         fields[name] = tuple(fields[name])
@@ -181,6 +183,7 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
             np.maximum(freedom_of_targets(objective, points), 1.0),
         ),
         discrepancy=estimate_discrepancy(objective, points, uncertainty),
+        inflation=uncertainty.inflation,
     )
     return LawFit(objective, points, uncertainty, fitted)
 
@@ -222,7 +225,8 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
     """Predict the tests of a study, which is not fitted, as far as the law does.
 
     A nuisance parameter of a group that the fit knows has the fit's value; that of
-    another group the mean and the standard deviation of its prior.
+    another group the mean and the standard deviation of its prior. Sigmas that the
+    tests state stand for those of the fit where these were given too.
     """
     study = of_targets(study, fitted.targets)
     objective = objective_of(study, contender)
@@ -234,6 +238,11 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
     predicted = points.predicted[0]
     variance = variances(points.jacobian[0] / slope, covariance)
     sigma = scale_of(fitted.sigma, fitted.least_size, predicted)
+    for place in np.flatnonzero(np.isinf(fitted.freedom)):
+        stated = study.tests.sigmas.get(fitted.targets[place])
+        if stated is not None:
+            inflated = stated * np.sqrt(fitted.inflation)
+            sigma[:, place] = np.where(np.isfinite(stated), inflated, sigma[:, place])
     deviation, apart = np.sqrt(sigma**2 + variance), np.zeros(predicted.shape)
     of_apart = 1.0
     if fitted.discrepancy is not None:

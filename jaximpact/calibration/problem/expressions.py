@@ -77,12 +77,12 @@ def read_tied(
     key: Key,
     name: str,
     text,
-    fitted: Mapping[str, tuple[float, float]],
+    fitted: Mapping[str, tuple[float, float, float]],
     constants: Mapping[str, float],
     column: InputColumn,
 ) -> Tied:
-    """Read the expression of a parameter, `name`, from bounds of the fitted parameters
-    and values of fixed ones.
+    """Read the expression of a parameter, `name`, from lower bound, upper bound and
+    start of the fitted parameters, and values of fixed ones.
 
     Raises InputError, naming file and key, for what is no expression, names what is not
     known, or leaves the range of the column within the bounds.
@@ -96,12 +96,17 @@ def read_tied(
     used = _names(key, tree, text, (*fitted, *constants))
     tied = Tied(name, text, {n: constants[n] for n in used if n in constants})
     names = tuple(fitted)
-    ends = np.array([fitted[n] for n in names])
+    low, high, start = np.array([fitted[n] for n in names]).T
     random = np.random.default_rng(0)
     # Half of the coordinates are at a bound.
-    inside = random.random((256, len(names)))
+    inside = random.random((512, len(names)))
     corners = np.where(random.random(inside.shape) < 0.5, np.round(inside), inside)
-    points = ends[:, 0] + corners * np.ptp(ends, axis=1)
+    points = low + corners * (high - low)
+    # Between bounds decades apart these leave out the small ones.
+    decades = low > 0.0
+    ratio = np.where(decades, high, 1.0) / np.where(decades, low, 1.0)
+    points[::2] = np.where(decades, low * ratio**corners, points)[::2]
+    points[0] = start
     values = tied.evaluate(dict(zip(names, points.T, strict=True)))
     values = np.broadcast_to(values, len(points))
     wrong = ~column.is_allowed(values)

@@ -68,7 +68,7 @@ def read_parameters(
         if isinstance(entry, dict) and "expression" in entry
     }
     fitted = tuple(_parameter(top, *named, columns) for named in chosen.items())
-    ranges = {p.name: (p.lower, p.upper) for p in fitted}
+    ranges = {p.name: (p.lower, p.upper, p.start) for p in fitted}
     tied = []
     for name, entry in expressions.items():
         key = top["parameters"][name]
