@@ -7,7 +7,9 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
+from .._checks import real_number, real_numbers
 from .._settings import numpy_settings
+from ..errors import InputError
 from ..shapes import shape_by_shape
 from .blocks import BlockOutline, MassProperties, select, support
 from .lane_programs import Values, closed_form
@@ -69,7 +71,10 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     Args:
         x: place of the collector [m].
         stretches: result of `stretches_of(runs)`, computed if not given.
+
+    Raises InputError for a place that is no finite number.
     """
+    x = real_number("x", x)
     all_of = stretches_of(runs) if stretches is None else stretches
     trajectory = runs.pieces.trajectory[all_of.piece].astype(int)
     # The next stretch begins where this one ends: no passage is missed or counted
@@ -168,7 +173,15 @@ def maxima_along(
         edges: edges of the bins [m], increasing, `(bins + 1,)`; what lies beyond the
             outer edges counts to the outer bins.
         stretches: result of `stretches_of(runs)`, computed if not given.
+
+    Raises InputError for edges that are no increasing numbers, or fewer than two.
     """
+    edges = np.asarray(real_numbers("edges", edges))
+    increasing = edges.ndim == 1 and len(edges) > 1 and np.all(np.diff(edges) > 0.0)
+    if not (increasing and np.all(np.isfinite(edges))):
+        raise InputError(
+            f"edges must be increasing numbers, at least two, but are {edges}"
+        )
     whole = stretches_of(runs) if stretches is None else stretches
     trajectory, number, largest = _largest_of_parts(runs, edges, whole)
     shape = (runs.release.count, len(edges) - 1)

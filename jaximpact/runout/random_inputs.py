@@ -28,6 +28,7 @@ from scipy.special import ndtr, ndtri
 
 from .._checks import real_number, whole_number
 from .._settings import numpy_settings
+from ..errors import InputError
 from ..io.checks import check_memory
 from . import libm
 
@@ -137,6 +138,34 @@ class PowerLaw(NamedTuple):
 
 Distribution = Normal | Uniform | Lognormal | PowerLaw
 """Any of the distributions."""
+BOUNDS = ("least", "most")
+"""Ends at which a distribution may be truncated."""
+
+
+def fault_of(distribution: Distribution) -> tuple[str, str] | None:
+    """Find what is wrong with the parameters of a distribution: the name of one, or ""
+    for several together, and what it must be, in words; None where all is well."""
+    values = distribution._asdict()
+    above = {"sd": 0.0, "median": 0.0, "geometric_sd": 1.0, "exponent": 0.0}
+    if isinstance(distribution, PowerLaw):
+        above["least"] = 0.0
+    for name, limit in above.items():
+        if name in values and not values[name] > limit:
+            return name, f"must be above {limit:g}, but is {values[name]:g}"
+    if isinstance(distribution, Uniform):
+        start, stop = distribution
+        words = f"must go up, but goes from {start:g} to {stop:g}"
+        return None if start < stop else ("", words)
+    least, most = values["least"], values["most"]
+    if not least < most:
+        return "", f"needs least below most, but they are {least:g} and {most:g}"
+    if isinstance(distribution, PowerLaw) or distribution.probability_inside > 0.0:
+        return None
+    centre, spread = (f"{name} {value:g}" for name, value in [*values.items()][:2])
+    return "", (
+        f"holds nothing between least and most, {least:g} and {most:g}, so far from a "
+        f"{centre} with {spread}"
+    )
 
 
 MULTIPLIERS = np.uint64(0xD2511F53), np.uint64(0xCD9E8D57)
@@ -197,6 +226,8 @@ def draw(
 
     Returns:
         Arrays `(count,)`, in the units of the quantities.
+
+    Raises InputError for a distribution with parameters out of range.
     """
     whole_number("count", count, 0)
     check_memory(count * len(quantities), f"{count} blocks")
@@ -207,6 +238,14 @@ def draw(
             places = np.arange(count) // repeats % len(quantity)
             samples[name] = np.asarray(quantity)[places]
         elif isinstance(quantity, Distribution):
+            for field, value in quantity._asdict().items():
+                if field not in BOUNDS:
+                    real_number(f"{name}.{field}", value)
+            if fault := fault_of(quantity):
+                field, words = fault
+                raise InputError(
+                    f"{name}.{field} {words}" if field else f"{name} {words}"
+                )
             samples[name] = quantity.values(uniforms(seed, name, count))
         else:
             samples[name] = np.full(count, real_number(name, quantity))

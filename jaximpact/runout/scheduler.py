@@ -25,7 +25,7 @@ from .flight.placement import check_release, release_at_touch
 from .ground_motion.moving import move_along
 from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, RunState
 from .terrain import Ground, Profile
-from .trajectory import Runs, joined
+from .trajectory import Ending, Runs, joined
 
 WIDTH = 8192
 """Number of blocks under way at once: enough for full cores, few enough for the
@@ -75,7 +75,7 @@ def simulate_runout(
         `Runs`; every trajectory has an ending.
 
     Raises ValueError for a block that is released in the ground or off the profile, and
-    for a ground of other blocks or segments.
+    for a ground or a law of other blocks or segments.
     """
     require_float64()
     if not isinstance(release, Release):
@@ -99,8 +99,15 @@ def simulate_runout(
         )
     if ground is not None:
         expect("ground", ground, Ground)
+        if ground.numbers is not None and len(ground.numbers) != release.count:
+            raise InputError(
+                f"a ground's numbers must be one for each of {release.count} blocks, "
+                f"but are {len(ground.numbers)}"
+            )
     limits = checked_limits(time_limit, event_limit, hop_threshold)
     whole_number("width", width, 1)
+    if isinstance(contacts, ClosedForm):
+        contacts.check_count(release.count)
     scenes = Scene(
         release.block,
         (ground or profile).soil,
@@ -167,12 +174,14 @@ def follow(
     )
     struck = joined([s.contacts for s in states], indices)
     pieces = joined([s.pieces for s in states], indices)
+    # Where a block failed nothing is known of where it would have ended.
+    failed = blocks.ending == Ending.failed
     return Runs(
         profile=profile,
         release=release,
         ending=blocks.ending.astype(int),
-        x=blocks.body.x + origin,
-        y=blocks.body.y,
+        x=np.where(failed, np.nan, blocks.body.x + origin),
+        y=np.where(failed, np.nan, blocks.body.y),
         time=blocks.time,
         events=blocks.events.astype(int),
         contacts=struck._replace(x=struck.x + origin, x_after=struck.x_after + origin),

@@ -324,8 +324,8 @@ class Ground:
         roughness: standard deviation of the angle of the facets [rad], from 0 to 30
             degrees, broadcast likewise; see `contacts.roughness`.
         seed: of the facets, a whole number from 0.
-        numbers: block numbers, `(blocks,)`, that select the blocks' random facets; from
-            0 on if not given.
+        numbers: block numbers, `(blocks,)`, whole and from 0, that select the blocks'
+            random facets; from 0 on if not given.
 
     Raises ValueError, in one sentence, for values out of range.
     """
@@ -342,7 +342,7 @@ class Ground:
         rolling_friction_angle: ArrayLike = ROLLING_FRICTION_ANGLE,
         roughness: ArrayLike = 0.0,
         seed: int = 0,
-        numbers: np.ndarray | None = None,
+        numbers: ArrayLike | None = None,
     ):
         soil = Soil() if soil is None else soil
         expect("a ground's soil", soil, Soil)
@@ -358,6 +358,15 @@ class Ground:
         for name in ("rolling_friction_angle", "roughness"):
             values = real_numbers(f"a ground's {name}", fields[name])
             fields[name] = np.asarray(values, float)
+        if numbers is not None:
+            given = np.asarray(real_numbers("a ground's numbers", numbers))
+            whole = given.astype(int)
+            if given.ndim != 1 or np.any(whole != given) or np.any(whole < 0):
+                raise InputError(
+                    "a ground's numbers must be a list of whole numbers from 0, but "
+                    f"are {numbers!r}"
+                )
+            fields["numbers"] = whole
         for name, value in fields.items():
             object.__setattr__(self, name, value)
         columns = ground_columns(self.soil)

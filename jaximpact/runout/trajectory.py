@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .._checks import real_number, whole_number
+from ..errors import InputError
 from ..impact.events import Outcome
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY
@@ -226,7 +228,7 @@ class Runs(ShownAsTable):
     ending: np.ndarray
     """Codes of `Ending`."""
     x: Values
-    """Centre at the end of the trajectory [m]."""
+    """Centre at the end of the trajectory [m]; NaN for a block that failed."""
     y: Values
     time: Values
     """Time of the end since release [s]."""
@@ -322,7 +324,13 @@ class Runs(ShownAsTable):
         Returns:
             Arrays `time` [s], `x`, `y` [m], `v_x`, `v_y` [m/s], `orientation` [rad] and
             `angular_velocity` [rad/s]; both ends of every piece are among the samples.
+
+        Raises InputError for a number that no block has, and a spacing that is not
+        above 0.
         """
+        whole_number("trajectory", trajectory, 0, len(self.ending) - 1)
+        if real_number("spacing", spacing) <= 0.0:
+            raise InputError(f"spacing must be above 0 s, but is {spacing!r}")
         first, last = np.searchsorted(
             self.pieces.trajectory, [trajectory, trajectory + 1]
         )

@@ -89,22 +89,22 @@ def test_effects_at_a_barrier():
 
 
 def test_places_on_the_map(tmp_path):
-    place = read_map_placement(tmp_path, {"profile": PLACE})
+    place = read_map_placement(tmp_path, {"profile": PLACE}, PROFILE)
     assert place is not None
     assert (place.crs, place.code) == ("EPSG:2056", 2056)
     easting, northing = place.coordinates(np.array([0.0, 100.0]))
     # Of 100 m in the direction N 30 E, half go to the east.
     np.testing.assert_allclose(easting, [2600000.0, 2600050.0], rtol=1e-15)
     np.testing.assert_allclose(northing, [1200000.0, 1200000 + 50 * 3**0.5])
-    assert read_map_placement(tmp_path, {"profile": {"csv": "a.csv"}}) is None
-    assert read_map_placement(tmp_path, {}) is None
+    assert read_map_placement(tmp_path, {"profile": {"csv": "a.csv"}}, PROFILE) is None
+    assert read_map_placement(tmp_path, {}, PROFILE) is None
 
 
 @pytest.mark.parametrize(
     ("crs", "origin", "said"),
     [
         # 1 / cos(46 degrees) of the sphere, and 0.3 % less on the ellipsoid.
-        ("EPSG:3857", [850_000, 5_780_000], "has lengths of 1.439 times those on"),
+        ("EPSG:3857", [850_000, 5_779_900], "has lengths of 1.439 times those on"),
         ("EPSG:3395", [850_000, 5_750_000], "has lengths of 1.437 times those on"),
         ("EPSG:6933", [850_000, 5_300_000], "has lengths of 1.253 times those on"),
         ("EPSG:2056", [7.4, 46.9], "outside of the area .* and looks like degrees"),
@@ -123,7 +123,16 @@ def test_places_on_the_map(tmp_path):
 def test_maps_with_other_lengths_are_warned_of(tmp_path, crs, origin, said):
     place = {"profile": PLACE | {"crs": crs, "origin": origin}}
     with warned_once(UnusualValueWarning, said):
-        read_map_placement(tmp_path / "slope.toml", place)
+        read_map_placement(tmp_path / "slope.toml", place, PROFILE)
+
+
+def test_a_profile_far_from_its_origin_lies_where_it_lies(tmp_path):
+    """An origin south of the Alps, or in the sea, with x that counts from there."""
+    far = Profile(PROFILE.x + 500_000.0, PROFILE.y)
+    for northing, said in ((700_000, None), (1_200_000, "outside of the area")):
+        place = {"profile": PLACE | {"origin": [2_600_000, northing], "azimuth_deg": 0}}
+        with warned_once(UnusualValueWarning, said):
+            read_map_placement(tmp_path / "slope.toml", place, far)
 
 
 @pytest.mark.parametrize(
@@ -150,14 +159,14 @@ def test_maps_with_other_lengths_are_warned_of(tmp_path, crs, origin, said):
 def test_bad_places_are_refused(tmp_path, message, changes):
     table = {k: v for k, v in (PLACE | changes).items() if v is not None}
     with pytest.raises(InputError, match=rf"slope.toml, key profile\.{message}"):
-        read_map_placement(tmp_path / "slope.toml", {"profile": table})
+        read_map_placement(tmp_path / "slope.toml", {"profile": table}, PROFILE)
 
 
 @pytest.mark.parametrize("package", ["pyproj", "pyogrio", "shapely"])
 def test_maps_name_the_package_that_they_need(tmp_path, monkeypatch, package):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(InputError, match=rf"crs needs .* {package}.*jaximpact\[maps\]"):
-        read_map_placement(tmp_path, {"profile": PLACE})
+        read_map_placement(tmp_path, {"profile": PLACE}, PROFILE)
 
 
 def test_geojson_by_hand(tmp_path):

@@ -24,7 +24,7 @@ from ..study.barriers import Barrier, read_barriers
 from ..study.contact_laws import columns_of_law
 from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
-from ..study.slope_file import SlopeInput, read_slope_input
+from ..study.slope_file import SlopeInput, by_name, read_slope_input
 from ..terrain import ground_columns
 from .observed import PER_PLACE, Observations, read_observed
 
@@ -115,7 +115,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
     rest = {k: v for k, v in content.items() if k not in ("observed", FIT, "title")}
-    files = {f.name: c for f, c in (slope.checksums | law.checksums).items()}
+    files = by_name(slope.checksums | law.checksums)
     observed = read_observed(path, content, profile, slope.seed)
     # Those of a user with a digest of their code: data sets of other code are not used.
     parts = part_names(slope.ground.soil, slope.blocks.base)

@@ -18,6 +18,7 @@ from ..study.barriers import (
     effect_table,
     estimate_table,
 )
+from ..study.slope_file import by_name
 from .observed import ObservedCount
 from .posterior import WIDE, FittedParameter
 from .predictive import RARE, SlopeCalibration
@@ -277,7 +278,7 @@ def _origin(result: SlopeCalibration) -> Table:
 
 def _checksums(result: SlopeCalibration) -> dict[str, str]:
     files = dict.fromkeys(result.fit.inputs)
-    return {f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in files}
+    return by_name({f: hashlib.sha256(f.read_bytes()).hexdigest() for f in files})
 
 
 def as_json(result: SlopeCalibration) -> dict:

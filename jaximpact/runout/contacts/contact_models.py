@@ -81,6 +81,17 @@ class ClosedForm:
         if isinstance(self.law, AbstractRebound):
             _check_values(self.law)
 
+    def check_count(self, count: int) -> None:
+        """Raise InputError for parameters that are neither scalars nor one for each of
+        so many blocks."""
+        for leaf in jax.tree.leaves(self.law):
+            if np.shape(leaf) not in ((), (count,)):
+                raise InputError(
+                    f"parameters of the law {type(self.law).__name__} must be scalars "
+                    f"or have the shape ({count},), one for each block, but one has "
+                    f"the shape {np.shape(leaf)}"
+                )
+
     def at(self, blocks: np.ndarray) -> "ClosedForm":
         """Select the parameters of some blocks."""
         leaves, structure = jax.tree.flatten(self.law)

@@ -160,7 +160,7 @@ def _tables(top: Key, name: str, table: dict) -> NamedLaw:
     errors = [table.error for table in tables if table.error is not None]
     described = {
         "law": TABLE,
-        "files": list(dict.fromkeys(file.name for file in files)),
+        "files": list(dict.fromkeys(names)),
         "median error": [float(f"{error.median:.3g}") for error in errors],
         "99 % error": [float(f"{error.of_99_percent:.3g}") for error in errors],
     }

@@ -153,7 +153,9 @@ class MapPlacement(NamedTuple):
         return int(self.crs.partition(":")[2])
 
 
-def read_map_placement(path: Path, content: dict) -> MapPlacement | None:
+def read_map_placement(
+    path: Path, content: dict, profile: Profile
+) -> MapPlacement | None:
     """Read the place of the profile on the map; None where the file gives none.
 
     Raises InputError, naming file and key, where one of the three keys is missing or
@@ -181,9 +183,11 @@ def read_map_placement(path: Path, content: dict) -> MapPlacement | None:
         )
     crs = _crs(key["crs"], table["crs"])
     place = MapPlacement(easting, northing, DEGREE * azimuth, crs)
-    longitude, latitude = degrees_from(place.code)(easting, northing)
+    # The origin may be far from where the profile lies.
+    middle = place.coordinates(0.5 * (profile.x[0] + profile.x[-1]))
+    longitude, latitude = degrees_from(place.code)(*middle)
     known = np.all(np.isfinite([longitude, latitude]))
-    if not known or max(abs(easting), abs(northing)) > LARGEST:
+    if not known or max(map(abs, (*pair, *middle))) > LARGEST:
         raise origin.error(f"is no place of {place.crs}: {pair!r}")
     _warn_of_distant(origin, pair, place, longitude, latitude)
     return place
@@ -193,8 +197,8 @@ def _warn_of_distant(
     key: Key, pair: list, place: MapPlacement, longitude: float, latitude: float
 ) -> None:
     """Warn of a place where the map's lengths are not those on the ground, or that the
-    reference system is not made for; longitude and latitude are those of the origin
-    [deg], the pair is the origin as the file has it."""
+    reference system is not made for; longitude and latitude are those of the profile's
+    middle [deg], the pair is the origin as the file has it."""
     pyproj = needed("pyproj", "profile.crs", "maps")
     system = pyproj.CRS(place.crs)
     factors = pyproj.Proj(system).get_factors(longitude, latitude)
@@ -207,8 +211,8 @@ def _warn_of_distant(
     if far or degrees:
         of = ", outside of the area of" if far else " by"
         text = (
-            f"{pair!r} is {where}{of} {place.crs} ({system.name}){degrees}; are "
-            "easting and northing in this order, and of this system?"
+            f"{pair!r} puts the profile {where}{of} {place.crs} ({system.name})"
+            f"{degrees}; are easting and northing in this order, and of this system?"
         )
     elif not abs(scale - 1.0) <= 0.01:  # in a zone of UTM it is 0.001
         text = (

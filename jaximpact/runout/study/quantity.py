@@ -3,6 +3,7 @@
 from ...io.toml import Key, check_keys, number, quantity
 from ...quantities import InputColumn
 from ..random_inputs import (
+    BOUNDS,
     Distribution,
     Lognormal,
     Normal,
@@ -10,9 +11,9 @@ from ..random_inputs import (
     Quantity,
     RandomField,
     Uniform,
+    fault_of,
 )
 
-BOUNDS = ("least", "most")
 KINDS = {
     Normal: ("mean", "sd"),
     Lognormal: ("median", "geometric_sd"),
@@ -43,10 +44,9 @@ def read_quantity(key: Key, value, column: InputColumn | None) -> Quantity:
         raise key[LENGTH].error("is for quantities of the ground only")
     check_keys(key, value, (*KEYS, LENGTH))
     if set(value) == {*ENDS}:
-        start, stop = (one(value[n], key[n]) for n in ENDS)
-        if not start < stop:
-            raise key.error(f"must go up, but goes from {start:g} to {stop:g}")
-        return Uniform(start, stop)
+        uniform = Uniform(*(one(value[n], key[n]) for n in ENDS))
+        _check(key, uniform)
+        return uniform
     numbers = {n: number(key[n], v) for n, v in value.items()}
     for kind, names in KINDS.items():
         if {*names} <= set(numbers) <= {*names, *BOUNDS}:
@@ -78,22 +78,8 @@ def read_ground_quantity(
     return RandomField(distribution, length)
 
 
-def _check(key: Key, distribution: Normal | Lognormal | PowerLaw) -> None:
+def _check(key: Key, distribution: Distribution) -> None:
     """Raise InputError for parameters out of range, and bounds that leave nothing."""
-    above = {"sd": 0.0, "median": 0.0, "geometric_sd": 1.0, "exponent": 0.0}
-    if isinstance(distribution, PowerLaw):
-        above["least"] = 0.0
-    values = distribution._asdict()
-    for name, limit in above.items():
-        if name in values and not values[name] > limit:
-            raise key[name].error(f"must be above {limit:g}, but is {values[name]:g}")
-    least, most = values["least"], values["most"]
-    if not least < most:
-        raise key.error(f"needs least below most, but they are {least:g} and {most:g}")
-    if isinstance(distribution, PowerLaw) or distribution.probability_inside > 0.0:
-        return
-    centre, spread = (f"{n} {values[n]:g}" for n in KINDS[type(distribution)])
-    raise key.error(
-        f"holds nothing between least and most, {least:g} and {most:g}, so far from a "
-        f"{centre} with {spread}"
-    )
+    if fault := fault_of(distribution):
+        name, words = fault
+        raise (key[name] if name else key).error(words)

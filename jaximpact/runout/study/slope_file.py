@@ -1,5 +1,6 @@
 """Run-out study from a TOML file."""
 
+import collections
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -102,7 +103,17 @@ class StudyInputs(NamedTuple):
     @property
     def checksums_by_name(self) -> dict[str, str]:
         """SHA-256 of the files by their names."""
-        return {file.name: checksum for file, checksum in self.checksums.items()}
+        return by_name(self.checksums)
+
+
+def by_name(checksums: Mapping[Path, str]) -> dict[str, str]:
+    """Name files by their names alone, which another folder leaves as they are, but
+    several of one name by their paths."""
+    count = collections.Counter(file.name for file in checksums)
+    return {
+        file.name if count[file.name] == 1 else file.as_posix(): checksum
+        for file, checksum in checksums.items()
+    }
 
 
 class SlopeStudy(NamedTuple):
@@ -267,7 +278,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         },
         random_ground=frozenset(key.split(".")[-1] for key in (*varied, *fields)),
         materials=slope.layout.materials,
-        placement=read_map_placement(path, content),
+        placement=read_map_placement(path, content, profile),
         smoothing=slope.layout.smoothing,
     )
     return [

@@ -1,0 +1,126 @@
+"""Arguments of run-outs in Python that are refused, in one sentence."""
+
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaximpact import Block
+from jaximpact.errors import InputError
+from jaximpact.rebound import ConstantCoefficients, Rebound
+from jaximpact.runout import (
+    ClosedForm,
+    Ground,
+    Lognormal,
+    Normal,
+    PowerLaw,
+    Profile,
+    Release,
+    Uniform,
+    draw,
+    maxima_along,
+    passages,
+    simulate_runout,
+)
+from jaximpact.runout.study.slope_file import by_name
+
+PROFILE = Profile([0.0, 50.0, 100.0], [40.0, 10.0, 0.0])
+RELEASE = Release(Block(mass=np.full(3, 100.0)), x=2.0, y=42.0)
+LAW = ClosedForm(ConstantCoefficients(0.3, 0.8))
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return simulate_runout(PROFILE, RELEASE, LAW)
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_a_law_has_parameters_for_each_block(count):
+    law = ConstantCoefficients(np.full(count, 0.3), 0.8)
+    with pytest.raises(InputError, match=r"the shape \(3,\), one for each block"):
+        simulate_runout(PROFILE, RELEASE, ClosedForm(law))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ([0, 1], "one for each of 3 blocks, but are 2"),
+        ([0, 1, 2, 3], "one for each of 3 blocks, but are 4"),
+        ([0.5, 1, 2], "whole numbers from 0"),
+        ([-1, 0, 1], "whole numbers from 0"),
+        (3, "whole numbers from 0"),
+    ],
+)
+def test_the_numbers_of_a_ground(numbers, words):
+    with pytest.raises(InputError, match=words):
+        simulate_runout(PROFILE, RELEASE, LAW, ground=Ground(numbers=numbers))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((-1,), "trajectory must be at least 0"),
+        ((3,), "trajectory must be at most 2"),
+        ((1.5,), "trajectory must be a whole number"),
+        ((0, 0.0), "spacing must be above 0 s"),
+        ((0, np.nan), "spacing must be a finite number"),
+    ],
+)
+def test_paths(runs, arguments, words):
+    with pytest.raises(InputError, match=words):
+        runs.path(*arguments)
+
+
+@pytest.mark.parametrize("place", [np.nan, np.inf, [1.0, 2.0], "a"])
+def test_collectors(runs, place):
+    with pytest.raises(InputError, match="x must be a"):
+        passages(runs, place)
+
+
+@pytest.mark.parametrize(
+    "edges", [[], [3.0], [5.0, 1.0], [0.0, 0.0], [0.0, np.nan], np.zeros((2, 2))]
+)
+def test_edges_of_bins(runs, edges):
+    with pytest.raises(InputError, match="edges must be increasing numbers"):
+        maxima_along(runs, edges)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "words"),
+    [
+        (Normal(0.0, -1.0), "a.sd must be above 0"),
+        (Normal(np.nan, 1.0), "a.mean must be a finite number"),
+        (Normal(0.0, 1.0, 5.0, 1.0), "a needs least below most"),
+        (Normal(0.0, 1.0, 50.0, 60.0), "a holds nothing between least and most"),
+        (Uniform(5.0, 1.0), "a must go up"),
+        (Lognormal(-1.0, 2.0), "a.median must be above 0"),
+        (Lognormal(1.0, 0.5), "a.geometric_sd must be above 1"),
+        (PowerLaw(1.0, 5.0, 2.0), "a needs least below most"),
+    ],
+)
+def test_distributions(distribution, words):
+    with pytest.raises(InputError, match=words):
+        draw({"a": distribution}, 3, 0)
+
+
+def test_files_of_one_name_are_told_apart():
+    files = {Path("a/t.nc"): "1", Path("b/t.nc"): "2", Path("a/slope.toml"): "3"}
+    assert by_name(files) == {"a/t.nc": "1", "b/t.nc": "2", "slope.toml": "3"}
+
+
+@jax.tree_util.register_static
+class Lost:
+    """A law that gives no number."""
+
+    def __call__(self, block, impact):
+        spin = 0.0 * impact.angular_velocity
+        return Rebound(jnp.sqrt(-1.0 - spin**2), impact.tangential_velocity, spin)
+
+
+def test_blocks_that_fail_end_nowhere():
+    runs = simulate_runout(PROFILE, RELEASE, ClosedForm(Lost()))
+    assert runs.count_endings() == {"failed": 3}
+    assert np.all(np.isnan([runs.x, runs.y]))
+    assert np.all(np.isfinite(runs.time))
