@@ -376,7 +376,8 @@ def empty_summary(ledger: LedgerItems) -> ImpactSummary:
 def items_of(work: Work, elastic) -> dict[str, Any]:
     """Return the items of the ledger that are works or dissipation, by name."""
     items = work._asdict()
-    return items | {"stiffness": elastic - items.pop("springs")}
+    del items["springs"]
+    return items | {"stiffness": elastic - work.springs}
 
 
 def arm_alone(arm) -> EnergyLedger:

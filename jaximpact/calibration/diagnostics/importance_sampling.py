@@ -8,10 +8,9 @@ $$ w \propto e^{-C_t / s^2 - C_p} \, p'(x) / q(x) , $$
 with C_t and C_p the parts of tests and priors in the cost, s^2 the inflation, and q the
 density of the proposal. A prior is a density of p, hence the derivative p' of the
 unknowns with one; without a prior of the study it is uniform in x between the bounds.
-Where the effective
-sample size is small, more are sampled, of a proposal that is fitted to the weighted
-draws; q is then the mixture of all proposals (adaptive multiple importance sampling,
-Cornuet et al. 2012).
+Where the effective sample size is small, more are sampled, of a proposal that is fitted
+to the weighted draws; q is then the mixture of all proposals (adaptive multiple
+importance sampling, Cornuet et al. 2012).
 
 Impacts have the accuracy `balanced`, whatever that of the fit. With small sigmas their
 errors count in the cost: some of the draws are computed again more accurately, and
