@@ -242,7 +242,8 @@ def end_of(
 
     The event's time takes one Newton correction, which carries its derivative. Where
     the step that met the event could not land on it, or its margin fades to zero, the
-    correction would be a leap, back in time even: there its value is left out.
+    correction would be a leap, back in time even: there its value is left out. What
+    ends at the limit of time ends there, however its steps move.
     """
     margins = jnp.stack(state.fold.watched.margins)
     least = jnp.argmin(margins, axis=0)
@@ -254,6 +255,7 @@ def end_of(
     correction = jnp.where(falls, margin / jnp.where(falls, slope, 1.0), 0.0)
     is_leap = jnp.abs(correction) > LARGEST_CORRECTION * time
     correction = correction - jnp.where(is_leap, jax.lax.stop_gradient(correction), 0.0)
+    correction = jnp.where(event, correction, state.fold.moved)
     vector = state.vector - correction * state.fold.rates
     return End(
         vector=vector,

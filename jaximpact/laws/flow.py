@@ -176,7 +176,9 @@ class PowerNucleus(AbstractFluidityFlow):
     after Penner: rms 0.15, against 0.06 with the default).
     """
 
-    nucleus_exponent: Scalar = parameter(2.0, "-", "[1, 20]", "n of the nucleus")
+    nucleus_exponent: Scalar = parameter(
+        2.0, "-", "[1, 20]", "n of the nucleus", usual=(1.0, 7.0)
+    )
 
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = safe_power(load.size / hardening, self.nucleus_exponent)
@@ -195,7 +197,9 @@ class PowerNucleusRate(AbstractFluidityFlow):
     """
 
     gamma_v: Scalar = parameter(8.7, "1/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
-    nucleus_exponent: Scalar = parameter(2.0, "-", "[1, 20]", "n of the nucleus")
+    nucleus_exponent: Scalar = parameter(
+        2.0, "-", "[1, 20]", "n of the nucleus", usual=(1.0, 7.0)
+    )
 
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = safe_power(load.size / hardening, self.nucleus_exponent)

@@ -287,6 +287,38 @@ def test_a_peak_that_a_switch_makes_moves_with_it(angle, orientation, spin, gamm
     np.testing.assert_allclose(found, wanted, rtol=2e-4)
 
 
+def test_a_contact_that_goes_on_is_cut_off_at_the_same_time():
+    """The state of the result is that of its history at the limit of time."""
+    shape = dict(mass=71251.46784981427, aspect_ratio=1.4134632353326382)
+    impact = Impact(1.4575337864481488, -0.7368123063164564, -2.597297230652572)
+
+    def found(gamma_v):
+        result = simulate(
+            Block(**shape),
+            Soil(gamma_v=gamma_v),
+            impact,
+            accuracy="reference",
+            save_at=np.array([1.0]),
+            ledger=True,
+        )
+        names = ("normal_velocity", "tangential_velocity", "rotation")
+        of_history = [getattr(result.history, name)[0] for name in names]
+        of_result = [getattr(result, name) for name in names]
+        energies = result.energy.viscoplastic, result.history.viscoplastic[0]
+        return result.duration, (of_result, of_history), energies
+
+    at = 1.183256887385554
+    duration, states, energies = jax.jacfwd(found)(at)
+    assert duration == 0.0
+    # Rounding, of the interpolant and of the work in the last step.
+    np.testing.assert_allclose(*states, rtol=1e-6)
+    np.testing.assert_allclose(*energies, rtol=1e-4)
+    step = 1e-4
+    ends = (found(at + way * step)[1][0] for way in (1.0, -1.0))
+    above, below = map(np.array, ends)
+    np.testing.assert_allclose(states[0], (above - below) / (2.0 * step), rtol=1e-4)
+
+
 LIFTED_OFF = (
     Block(mass=2294.3, shape=EllipticCylinder(aspect_ratio=2.433)),
     Soil(dilatancy=0.7, cohesion=1e4),
