@@ -301,6 +301,11 @@ def test_campaigns_left_out():
     assert not np.any(found.inside(shifted[:, None])[names == "b"])
     alone = linear(matrix, measured)
     assert leave_out_campaigns(*alone) is None
+    # A campaign without a measurement is none.
+    some = linear(matrix, np.where(names == "a", np.nan, measured), names)
+    assert set(leave_out_campaigns(*some).groups) == {"b", "c"}
+    one = linear(matrix, np.where(names == "b", measured, np.nan), names)
+    assert leave_out_campaigns(*one) is None
 
 
 def test_without_the_only_test_that_tells():

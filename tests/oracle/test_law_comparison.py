@@ -191,6 +191,18 @@ def test_sigmas_stated_by_new_tests_stand_for_those_of_the_fit():
     assert np.array_equal(*alike)
 
 
+def test_sigmas_of_empty_cells_count_for_nothing():
+    tests = made_by(ConstantCoefficients(0.4, 0.8), targets=("e_n",))
+    count = len(tests["e_n"])
+    half = np.where(np.arange(count) < count // 3, tests["e_n"], np.nan)
+    sigma = np.where(np.isnan(half), 1.0, NOISE)
+    study = study_of_columns(tests | {"e_n": half, "sigma_e_n": sigma})
+    contender = Contender("constant", ConstantCoefficients)
+    fitted = fit_law(study, contender).fitted
+    inflation = np.sqrt(fitted.inflation)
+    np.testing.assert_allclose(fitted.sigma, NOISE * inflation, rtol=1e-12)
+
+
 def test_densities_are_those_of_scipy():
     u, deviation = (
         np.array([[0.3, -1.2], [2.0, 0.1]]),

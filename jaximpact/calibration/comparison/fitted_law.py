@@ -24,7 +24,7 @@ from ..diagnostics.uncertainty import (
     estimate,
     regular_covariance,
 )
-from ..estimation.sigma import freedom_of_targets, relative_sigma
+from ..estimation.sigma import freedom_of_targets, median_sigma, relative_sigma
 from ..problem.config import Study
 from ..problem.fitted_parameters import DEFAULTS, Parameter
 from ..problem.forward_model import models_of
@@ -166,7 +166,7 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
     slope = objective.bounds.slope(points.x[0])
     study = objective.study
     relative = relative_sigma(study, objective.sigma, points.predicted[0])
-    constant = np.median(objective.sigma, axis=0)
+    constant = median_sigma(study, objective.sigma)
     sigma = np.where(study.proportional, relative, constant)
     fitted = FittedLaw(
         name=name,

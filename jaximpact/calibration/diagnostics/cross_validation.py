@@ -15,6 +15,7 @@ than a fifth of a standard error of every soil parameter; where more than `AT_MO
 tests move the fit farther, also for those of them that move it least.
 """
 
+import itertools
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
@@ -119,7 +120,8 @@ def leave_out_campaigns(
     uncertainty: Uncertainty,
     ends: np.ndarray | None = None,
 ) -> LeftOut | None:
-    """Predict each campaign by the fit without it; None where there is only one.
+    """Predict each campaign by the fit without it; None where there is only one with
+    measurements.
 
     Args:
         ends: ends of other starts in x, best first, shape (starts, unknowns); the rest
@@ -127,10 +129,11 @@ def leave_out_campaigns(
             may be the best.
     """
     labels = objective.study.tests.labels["campaign"]
-    names = tuple(dict.fromkeys(labels))
+    measured = np.any(objective.study.known, axis=1)
+    names = tuple(dict.fromkeys(itertools.compress(labels, measured)))
     if len(names) < 2:
         return None
-    group = np.array([names.index(label) for label in labels])
+    group = np.array([names.index(n) if n in names else -1 for n in labels])
     # Four other ends: each costs a fit without each campaign.
     starts = points.x if ends is None else np.concatenate([points.x, ends[:4]])
     steps = np.full((len(names), points.x.shape[1]), np.nan)

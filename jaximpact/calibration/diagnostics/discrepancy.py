@@ -27,7 +27,7 @@ import numpy as np
 
 from ...progress import within
 from ...quantities import NEVER_NEGATIVE
-from ..estimation.sigma import relative_sigma
+from ..estimation.sigma import median_sigma, relative_sigma
 from ..problem.dataset import Measurements
 from ..problem.noise import least_size, root_mean_square
 from ..problem.objective import Objective, Points
@@ -203,7 +203,7 @@ def _scatter(
     """Find `scatter` and `least_size` of a fit."""
     study, predicted = objective.study, points.predicted[0]
     relative = relative_sigma(study, objective.sigma, predicted)
-    constant = np.median(objective.sigma, axis=0)
+    constant = median_sigma(study, objective.sigma)
     positive = np.isin(study.targets, NEVER_NEGATIVE)
     size = root_mean_square(study.measured)
     constant = np.where(positive, constant / size, constant)

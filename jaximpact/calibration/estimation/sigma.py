@@ -62,6 +62,13 @@ def relative_sigma(
     return np.where(study.proportional, np.nanmedian(ratio, axis=0), np.nan)
 
 
+def median_sigma(study: Study, sigma: np.ndarray) -> np.ndarray:
+    """Compute the median sigma of each target, shape (targets,), over its measurements;
+    over all tests for a target without any."""
+    counts = study.known | ~np.any(study.known, axis=0)
+    return np.nanmedian(np.where(counts, sigma, np.nan), axis=0)
+
+
 def hat(objective: Objective, points: Points) -> tuple[np.ndarray, np.ndarray]:
     """Compute B, shape (cells, unknowns), and C of the hat matrix B C B^T, which turns
     measurements over sigma into predictions over sigma, at a fit (points of one

@@ -18,7 +18,7 @@ from ..diagnostics.importance_sampling import weights_of
 from ..diagnostics.nuts import to_inference_data
 from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
-from ..estimation.sigma import freedom_of_targets, relative_sigma
+from ..estimation.sigma import freedom_of_targets, median_sigma, relative_sigma
 from ..fitted_ground import FILES, FORMAT
 from ..problem.config import Study
 from ..problem.dataset import LIMITS
@@ -234,11 +234,12 @@ def _targets(result: StudyResult, variant: VariantResult) -> dict:
     study = variant.objective.study
     freedom = freedom_of_targets(variant.objective, variant.points)
     relative = relative_sigma(study, variant.sigma, variant.predicted)
+    typical = median_sigma(study, variant.sigma)
     least = least_size(study.measured)
     fit = {}
     for target, name in enumerate(study.targets):
         fit[name] = fit_of_target(result, variant, target) | {
-            "sigma": np.median(variant.sigma[:, target]),
+            "sigma": typical[target],
             "degrees_of_freedom": freedom[target],
         }
         if study.proportional[target]:
