@@ -272,7 +272,7 @@ def scatter(
     sigma = np.zeros(study.measured.shape)
     freedom = np.full(len(study.targets), np.inf)
     for place, name in enumerate(study.targets):
-        stated = study.tests.sigmas.get(name, np.full(len(study.tests), np.nan))
+        stated = study.tests.stated_sigma(name)
         if fitted.estimated.get(name, False):
             sigma[:, place] = fitted.sigma[name]
             if name in fitted.proportional:

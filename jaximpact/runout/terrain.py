@@ -360,13 +360,13 @@ class Ground:
             fields[name] = np.asarray(values, float)
         if numbers is not None:
             given = np.asarray(real_numbers("a ground's numbers", numbers))
-            whole = given.astype(int)
-            if given.ndim != 1 or np.any(whole != given) or np.any(whole < 0):
+            whole = np.clip(np.floor(given), 0.0, 2.0**53)
+            if given.ndim != 1 or not np.array_equal(given, whole):
                 raise InputError(
                     "a ground's numbers must be a list of whole numbers from 0, but "
                     f"are {numbers!r}"
                 )
-            fields["numbers"] = whole
+            fields["numbers"] = whole.astype(int)
         for name, value in fields.items():
             object.__setattr__(self, name, value)
         columns = ground_columns(self.soil)

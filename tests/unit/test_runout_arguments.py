@@ -50,6 +50,8 @@ def test_a_law_has_parameters_for_each_block(count):
         ([0, 1, 2, 3], "one for each of 3 blocks, but are 4"),
         ([0.5, 1, 2], "whole numbers from 0"),
         ([-1, 0, 1], "whole numbers from 0"),
+        ([np.nan, 0, 1], "whole numbers from 0"),
+        ([np.inf, 0, 1], "whole numbers from 0"),
         (3, "whole numbers from 0"),
     ],
 )

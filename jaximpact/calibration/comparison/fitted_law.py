@@ -239,10 +239,9 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
     variance = variances(points.jacobian[0] / slope, covariance)
     sigma = scale_of(fitted.sigma, fitted.least_size, predicted)
     for place in np.flatnonzero(np.isinf(fitted.freedom)):
-        stated = study.tests.sigmas.get(fitted.targets[place])
-        if stated is not None:
-            inflated = stated * np.sqrt(fitted.inflation)
-            sigma[:, place] = np.where(np.isfinite(stated), inflated, sigma[:, place])
+        stated = study.tests.stated_sigma(fitted.targets[place])
+        inflated = stated * np.sqrt(fitted.inflation)
+        sigma[:, place] = np.where(np.isfinite(stated), inflated, sigma[:, place])
     deviation, apart = np.sqrt(sigma**2 + variance), np.zeros(predicted.shape)
     of_apart = 1.0
     if fitted.discrepancy is not None:

@@ -10,7 +10,7 @@ from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import CURVE_COLUMNS, TIME_COLUMN
 from ...scene import GRAVITY
 from ..estimation.evolution import AGREED
-from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART
+from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, median_sigma
 from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
 from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
@@ -242,7 +242,7 @@ def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
     limits = limits_alone(study)
     for target in np.flatnonzero(limits):
         name = study.targets[target]
-        guess = np.median(variant.sigma[study.known[:, target], target])
+        guess = median_sigma(study, variant.sigma)[target]
         lines.append(
             f"Of {name} only limits are known, and limits show no scatter: its sigma, "
             f"{guess:.3g}, is a guess, from which standard errors and intervals "

@@ -114,6 +114,11 @@ class Measurements:
         """Time of the forces of each test [s], shape (tests,); NaN without one."""
         return self.inputs.get(TIME_COLUMN, np.full(len(self), np.nan))
 
+    def stated_sigma(self, target: str) -> np.ndarray:
+        """Return the column of sigmas of a target, shape (tests,); NaN where none is
+        stated."""
+        return self.sigmas.get(target, np.full(len(self), np.nan))
+
     def at_times(self, targets: Collection[str]) -> np.ndarray:
         """Find the tests whose forces at a time are compared, as a mask (tests,); none
         where no force is among the targets."""

@@ -125,7 +125,7 @@ def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
     columns, is_given = [], []
     for name in targets:
         measured = tests.measured[name]
-        sigma = tests.sigmas.get(name, np.full(len(tests), np.nan))
+        sigma = tests.stated_sigma(name)
         if name in defaults:
             sigma = np.where(np.isfinite(sigma), sigma, float(defaults[name]))
         stated = bool(np.any(np.isfinite(sigma)))
