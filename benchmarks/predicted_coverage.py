@@ -184,7 +184,7 @@ def _fitted(study, targets):
         relative_sigma,
     )
     from jaximpact.calibration.fitted_ground import FittedVariant
-    from jaximpact.calibration.problem.noise import ProportionalScatter, least_size
+    from jaximpact.calibration.problem.noise import ProportionalScatter
     from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import best_fit
 
@@ -195,7 +195,7 @@ def _fitted(study, targets):
     uncertainty = estimate(objective, points)
     draws = draw(objective, points, uncertainty.inflation, count=DRAWS)
     parts = relative_sigma(study, objective.sigma, points.predicted[0])
-    least = least_size(study.measured)
+    least = study.least_size
 
     def by_target(values):
         return dict(zip(targets, values, strict=True))
@@ -216,6 +216,7 @@ def _fitted(study, targets):
         inflation=uncertainty.inflation,
         freedom=by_target(freedom_of_targets(objective, points)),
         accuracy=draws.accuracy,
+        factors={},
         discrepancy=estimate_discrepancy(objective, points, uncertainty),
     )
     return fitted, parts

@@ -21,14 +21,13 @@ from ..quantities import (
     TIME_COLUMN,
     InputColumn,
     columns_of,
-    columns_of_part,
     why_unknown,
 )
 from ..scene import Block, Scene, Soil
 from .problem.config import TOML, Study, read_study, study_of
 from .problem.dataset import joined_tables
 from .problem.fitted_parameters import DEFAULTS, FITTED
-from .problem.laws import parts_and_values, scene_of
+from .problem.laws import parts_and_values, scene_of, values_by_column
 
 COLUMNS = Path("columns given")
 """Name in errors and in the manifest of tests that come from no file."""
@@ -224,37 +223,15 @@ def _given(
     expect(what, argument, kind, Mapping, type(None))
     if isinstance(argument, kind):
         parts = {slot: getattr(argument, slot) for slot in parts_of(kind)}
-        return _Given(parts, {}, _columns(what, argument, parts_of(kind)))
+        return _Given(parts, {}, values_by_column(what, argument, parts_of(kind)))
     whole = "soil" if kind is Soil else "block"
     entries: Any = argument or {}
     parts, stated = parts_and_values(Key(COLUMNS)[what], entries, whole, Path())
     objects = [slot for slot in parts if isinstance(entries[slot], Part)]
-    values = _columns(what, kind(**parts), objects, whole_too=False)
+    values = values_by_column(what, kind(**parts), objects, whole_too=False)
     # Numbers of numpy and JAX as Python's.
     stated = {n: v.item() if hasattr(v, "item") else v for n, v in stated.items()}
     return _Given(parts, stated, values)
-
-
-def _columns(
-    what: str, whole: Composite, slots: Iterable[str], *, whole_too: bool = True
-) -> dict[str, float]:
-    """Collect values of a ground or a block in the units of the tables: parameters of
-    some of its parts, and its own if wanted."""
-    values = {}
-    part = "soil" if isinstance(whole, Soil) else "block"
-    slots = set(slots)
-    for name, column in columns_of_part(part, whole).items():
-        path = whole.path_of(column.field)
-        if not (path[0] in slots if len(path) > 1 else whole_too):
-            continue
-        value = np.asarray(getattr(whole, column.field))
-        if value.ndim:
-            raise InputError(
-                f"{what} must be one {part}, but its {column.field} has shape "
-                f"{value.shape}"
-            )
-        values[name] = float(value) / column.factor
-    return values
 
 
 def _check_names(

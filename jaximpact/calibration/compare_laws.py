@@ -308,10 +308,11 @@ def compare(
             cohesion", "model with modulus at contact pressure", "model with inertia",
             "... and cohesion"; a law of the ground by name or as an object, in place of
             the ground's ("FluidityRate", "my_laws.py:MyFlow"); a `Soil` with laws of
-            its own; a law of rebound by its words or its class ("constant
-            coefficients", `PfeifferBowen`, "my_laws.py:MyRebound"). Default: the model
-            and all these grounds, constant coefficients, Pfeiffer and Bowen, a power
-            law in the angle, and a rigid ellipsoid (Vijayakumar).
+            its own; of these objects, values that are no defaults too, unless they are
+            fitted or stand in the table; a law of rebound by its words or its class
+            ("constant coefficients", `PfeifferBowen`, "my_laws.py:MyRebound"). Default:
+            the model and all these grounds, constant coefficients, Pfeiffer and Bowen,
+            a power law in the angle, and a rigid ellipsoid (Vijayakumar).
         by: columns whose groups are left out too: of text, "shape", or of numbers.
             Default: campaign and shape, where there are several.
         exact: whether each fit without a test is made to the end; otherwise one step

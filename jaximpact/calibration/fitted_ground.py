@@ -57,6 +57,9 @@ class FittedVariant(NamedTuple):
     """Degrees of freedom of each target."""
     accuracy: Accuracy
     """Accuracy of the impacts that the draws need."""
+    factors: dict[str, float]
+    """Factors on given sigmas that were too small beside estimated ones, by target;
+    `sigma` includes them."""
     discrepancy: Discrepancy | None = None
     """Error of the model outside the fitted tests; None where it is unknown."""
 
@@ -227,6 +230,11 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
         inflation=entry["uncertainty"]["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
+        factors={
+            name: one["times_given_sigma"]
+            for name, one in entry["fit"].items()
+            if "times_given_sigma" in one
+        },
         # Older files have none.
         discrepancy=discrepancy_of_json(entry.get("discrepancy")),
     )

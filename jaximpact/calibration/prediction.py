@@ -272,7 +272,7 @@ def scatter(
     sigma = np.zeros(study.measured.shape)
     freedom = np.full(len(study.targets), np.inf)
     for place, name in enumerate(study.targets):
-        stated = study.tests.stated_sigma(name)
+        stated = study.tests.stated_sigma(name) * fitted.factors.get(name, 1.0)
         if fitted.estimated.get(name, False):
             sigma[:, place] = fitted.sigma[name]
             if name in fitted.proportional:
@@ -365,8 +365,11 @@ class Scores(NamedTuple):
     rms: float | None
     """Root mean square of predicted median less measured, and the mean of it."""
     bias: float | None
+    with_scatter: int
+    """Number of those whose scatter is known: others have intervals of the model
+    alone."""
     inside_50: int
-    """Number of measurements within their 50 % intervals, and within those of 95 %."""
+    """Number of these within their 50 % intervals, and within those of 95 %."""
     inside_95: int
     crps: float | None
     """Mean CRPS [unit of the target]; see `predictive`."""
@@ -397,10 +400,11 @@ def _score(prediction, variant, name: str, place: int, known) -> Scores:
     exact = known & ~limit & there
     measured = prediction.measured[exact, place]
     apart = variant.middle[exact, place] - measured
+    scatters = variant.sigma[exact, place] > 0.0
 
     def inside(low: np.ndarray, high: np.ndarray) -> int:
         within = (measured >= low[exact, place]) & (measured <= high[exact, place])
-        return int(np.sum(within))
+        return int(np.sum(within & scatters))
 
     results = prediction.ground.results.get(name, {"count": 0})
     crps = _mean(variant.crps[exact, place])
@@ -410,6 +414,7 @@ def _score(prediction, variant, name: str, place: int, known) -> Scores:
         unpredicted=int(np.sum(known & ~there)),
         rms=rms(apart),
         bias=_mean(apart),
+        with_scatter=int(np.sum(scatters)),
         inside_50=inside(variant.low_50, variant.high_50),
         inside_95=inside(variant.low_95, variant.high_95),
         crps=crps,

@@ -26,7 +26,7 @@ from .estimation.search import (
     refine,
     with_end,
 )
-from .estimation.sigma import settle
+from .estimation.sigma import settle, understated
 from .problem.config import Study, Variant
 from .problem.forward_model import ForwardModel, for_each_variant, models_of
 from .problem.objective import Objective, names_of
@@ -93,6 +93,10 @@ def best_fit(objective: Objective) -> BestFit:
         raise InputError("no start gives a prediction", file=study.path)
     lane = ends.best
     objective, best = settle(objective, ends.take([lane]), fit_along)
+    too_small = understated(objective, best.points)
+    if np.any(too_small):
+        objective = objective.with_sigma_factors(too_small)
+        objective, best = settle(objective, best, fit_along)
     objective, best = _with_better_scatter(objective, best)
     # Which end is the best depends on the sigmas that are estimated.
     other = int(np.argmin(objective.reevaluate(ends.points).cost))

@@ -309,12 +309,15 @@ def test_campaigns_left_out():
 
 
 def test_without_the_only_test_that_tells():
-    """Left out, its prediction is as uncertain as the bounds are wide."""
+    """Left out it cannot be predicted: what it alone tells stays where it was, which
+    would predict it by itself, and is as uncertain as the bounds are wide."""
     matrix = np.stack([np.ones(6), [0, 0, 1, 0, 0, 0]], axis=1)
     objective, points, uncertainty = linear(matrix, np.full(6, 0.1))
     found = leave_out_each(objective, points, uncertainty)
     assert found.deviation[2, 0] == pytest.approx(HALF_WIDTH / np.sqrt(3.0), rel=1e-3)
     assert np.all(np.delete(found.deviation, 2) < 2.0 * SIGMA)
+    missing = np.isnan(found.predicted[:, 0])
+    np.testing.assert_array_equal(missing, np.arange(6) == 2)
 
 
 def test_residuals_are_studentised():

@@ -13,10 +13,11 @@ from jaximpact.calibration.arguments import table_given
 from jaximpact.calibration.diagnostics.cross_validation import too_few
 from jaximpact.calibration.diagnostics.importance_sampling import (
     draw,
+    stretched,
     weights_of,
 )
 from jaximpact.calibration.diagnostics.predictive import predictive
-from jaximpact.calibration.diagnostics.uncertainty import estimate
+from jaximpact.calibration.diagnostics.uncertainty import estimate, stretch
 from jaximpact.calibration.estimation.sigma import freedom_of_targets
 from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant, read_fitted
 from jaximpact.calibration.prediction import (
@@ -134,6 +135,7 @@ def variant_of(unknowns, draws, **changed):
         inflation=4.0,
         freedom={"e_n": 7.0},
         accuracy=PRESETS["balanced"],
+        factors={},
     )
     return FittedVariant(**fields | changed)
 
@@ -199,6 +201,10 @@ def test_scatter_as_the_fit_states_it():
     np.testing.assert_allclose(sigma[:, 0], [0.04, 0.1])
     np.testing.assert_array_equal(sigma[:, 1], 0.0)
     assert np.all(np.isinf(freedom))
+    # Too small beside estimated ones: the fit's holds the factor, the table's does not.
+    alone = variant._replace(inflation=1.0, factors={"e_n": 3.0})
+    sigma, _ = scatter(study, alone, predicted, ONE)
+    np.testing.assert_allclose(sigma[:, 0], [0.06, 0.05])
     estimated = variant._replace(estimated={"e_n": True}, inflation=1.0)
     sigma, freedom = scatter(study, estimated, predicted, ONE)
     np.testing.assert_allclose(sigma[:, 0], 0.05)
@@ -262,6 +268,111 @@ def test_given_sigmas_leave_the_weights():
     stated = objective._changed(study=given)
     draws = draw(stated, best.points, 1.0, count=100)
     np.testing.assert_allclose(weights_of(stated, best.points, draws), draws.weights)
+
+
+TWO = np.stack([np.ones(12), np.linspace(-0.5, 1.0, 12)], axis=1)
+
+
+class TwoTargets(Linear):
+    """Targets of which the second is linear in the unknowns in the opposite order."""
+
+    def _predict(self, x, derivatives):
+        first, outcomes, slopes = super()._predict(x, derivatives)
+        second, _, others = super()._predict(x[:, ::-1], derivatives)
+        both = np.concatenate([first, second], axis=2)
+        return both, outcomes, np.concatenate([slopes, others[..., ::-1]], axis=2)
+
+
+@pytest.mark.parametrize("weights", [{"e_n": 4.0}, {"e_n": 4.0, "e_t": 0.25}])
+def test_draws_of_weighted_targets_scatter_as_the_estimate(weights):
+    """The estimate of a linear model with given sigmas and weights, by hand: of the
+    measurements, whatever their weights, each has its own variance."""
+    bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
+    measured = {"e_n": np.zeros(12), "e_t": np.zeros(12), "angle_deg": 30.0}
+    study = study_of_columns(
+        measured,
+        parameters={"c_v": bounds, "gamma_v": bounds},
+        default_sigma={"e_n": 0.1, "e_t": 0.05},
+        weights=weights,
+    )
+    objective, best = fitted(TwoTargets(study, matrix=TWO), np.zeros(2))
+    rows = np.concatenate([TWO / 0.1, TWO[:, ::-1] / 0.05])
+    of_rows = np.repeat([weights.get(name, 1.0) for name in study.targets], 12)
+    inverse = np.linalg.inv((rows.T * of_rows) @ rows)
+    expected = inverse @ ((rows.T * of_rows**2) @ rows) @ inverse
+    found = estimate(objective, best.points)
+    np.testing.assert_allclose(found.covariance, expected, rtol=1e-9)
+    draws = draw(objective, best.points, 1.0, count=40_000)
+    drawn = draws.covariance()
+    # 40 000 draws tell a variance to 1 %: 4 of these.
+    scale = np.sqrt(np.outer(np.diag(inverse), np.diag(inverse)))
+    assert np.max(np.abs(drawn - inverse) / scale) < 0.04
+    matrix = stretch(objective, best.points, 1.0)
+    after = stretched(draws, objective, best.points, matrix)
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert np.max(np.abs(after.covariance() - expected) / scale) < 0.04
+    predicted = after.x @ TWO.T
+    np.testing.assert_allclose(after.predicted[:, :, 0], predicted, atol=1e-12)
+
+
+@pytest.mark.parametrize("loss", ["soft-l1", "student"])
+def test_draws_of_robust_losses_scatter_as_the_estimate(loss):
+    noise = np.random.default_rng(5).normal(size=200)
+    matrix = np.stack([np.ones(200), np.linspace(-1.0, 1.0, 200)], axis=1)
+    bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
+    study = study_of_columns(
+        {"e_n": 0.1 * noise},
+        parameters={"c_v": bounds, "gamma_v": bounds},
+        default_sigma={"e_n": 0.1},
+        loss=loss,
+    )
+    objective, best = fitted(Linear(study, matrix=matrix), np.zeros(2))
+    errors = estimate(objective, best.points).standard_errors
+    draws = draw(objective, best.points, 1.0, count=40_000)
+    matrix = stretch(objective, best.points, 1.0)
+    after = stretched(draws, objective, best.points, matrix)
+    before = np.sqrt(np.diag(draws.covariance())) / errors
+    # That of Gaussian scatter: mean of the squared slope over that of the curvature.
+    assert np.all(before > 1.05)
+    np.testing.assert_allclose(np.sqrt(np.diag(after.covariance())), errors, rtol=0.03)
+
+
+def test_given_sigmas_that_are_too_small_beside_estimated_ones():
+    """They get a factor: all is as if they were estimated, from their ratios."""
+    bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
+    random = np.random.default_rng(8)
+    sizes = np.where(np.arange(12) % 2, 1.0, 2.0)
+    columns = {
+        "e_n": 0.1 * sizes * random.normal(size=12),
+        "e_t": 0.05 * random.normal(size=12),
+        "angle_deg": 30.0,
+    }
+    parameters = {"c_v": bounds, "gamma_v": bounds}
+
+    def found(**more):
+        study = study_of_columns(columns | more, parameters=parameters, starts=1)
+        objective, best, *_ = best_fit(TwoTargets(study, matrix=TWO))
+        return objective, best, estimate(objective, best.points)
+
+    small, _, uncertainty = found(sigma_e_n=0.01 * sizes)
+    assert small.study.understated == ("e_n",)
+    ratio = small.sigma[:, 0] / (0.01 * sizes)
+    # Of ten degrees of freedom or more a scatter is known to 22 %.
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+    assert 5.0 < ratio[0] < 20.0
+    other, _, of_other = found(sigma_e_n=0.02 * sizes)
+    # The rounds end at a change of sigmas by 0.3 %.
+    np.testing.assert_allclose(small.sigma, other.sigma, rtol=0.01)
+    errors = uncertainty.standard_errors, of_other.standard_errors
+    np.testing.assert_allclose(*errors, rtol=0.01)
+    fine, _, _ = found(sigma_e_n=0.1 * sizes)
+    assert fine.study.understated == ()
+    np.testing.assert_array_equal(fine.sigma[:, 0], 0.1 * sizes)
+
+
+def test_of_plain_studies_draws_are_those_of_the_density():
+    objective, best = linear()
+    assert stretch(objective, best.points, 1.0) is None
 
 
 MASSES = (100.0, 500.0, 50.0, 2000.0, 300.0, 800.0, 150.0, 1200.0)

@@ -25,12 +25,13 @@ from jaximpact import (
     Soil,
     simulate_batch,
 )
-from jaximpact.calibration import compare
+from jaximpact.calibration import compare, read_study
 from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.compare_laws import Comparison
 from jaximpact.calibration.comparison.comparison import (
     Compared,
     GroupScores,
+    _all_groups,
     compare_study,
 )
 from jaximpact.calibration.comparison.contenders import Contender, contenders_of
@@ -51,6 +52,7 @@ from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.problem.config import Variant
 from jaximpact.calibration.report.comparison import verdict, worse_than_others
 from jaximpact.errors import InputError
+from jaximpact.laws.bearing import VesicWithInertia
 from jaximpact.parameters import parameter
 from jaximpact.rebound import AbstractRebound, Rebound
 
@@ -549,6 +551,65 @@ def test_grounds_compared_by_default_and_those_that_the_study_has():
         assert "model with inertia" in names(stated)
         with pytest.raises(InputError, match="fits or states cohesion_kPa"):
             contenders_of("model with cohesion", stated)
+
+
+@pytest.mark.parametrize(
+    ("law", "name", "column", "value"),
+    [
+        (Soil(dilatancy=0.5), "usual laws, dilatancy 0.5", "dilatancy", 0.5),
+        (
+            VesicWithInertia(ground_inertia=3.0),
+            "bearing VesicWithInertia, ground_inertia 3",
+            *("ground_inertia", 3.0),
+        ),
+        (Soil(friction_angle=np.deg2rad(25.0)), None, "friction_angle", 0.0),
+    ],
+)
+def test_values_of_laws_given_as_objects(law, name, column, value):
+    """They are those of the ground that is compared, but for what is fitted."""
+    study = drops(ground={"friction_angle_deg": 30.0})
+    (found,) = contenders_of([law, "model"], study)[:1]
+    soil = objective_of(study, found).scene.soil
+    if name is not None:
+        assert found.name == name
+        np.testing.assert_allclose(np.rad2deg(soil.friction_angle), 30.0)
+        np.testing.assert_allclose(getattr(soil, column), value)
+    else:
+        np.testing.assert_allclose(np.rad2deg(soil.friction_angle), 25.0)
+    # Two of the same laws are two contenders.
+    assert len(contenders_of([Soil(dilatancy=0.5), Soil(dilatancy=1.0)], study)) == 2
+    fitted = contenders_of([Soil(c_v=0.3)], study)[0]
+    assert fitted.name == "usual laws"
+
+
+def test_points_of_a_curve_are_one_test(tmp_path):
+    """They are left out together, as in the fit's own cross-validation."""
+    times = tmp_path / "a.csv"
+    times.write_text("time_s,normal_force_N\n0.001,2e4\n0.002,4e4\n0.004,3e4\n")
+    (tmp_path / "tests.csv").write_text("force_curve,speed_mps\na.csv,5\na.csv,8\n")
+    study = read_study(tmp_path / "tests.csv")
+    _, names, group = _all_groups(study, [])[0]
+    assert names == ("row 2", "row 3")
+    np.testing.assert_array_equal(group, [-1, -1, 0, 0, 0, 1, 1, 1])
+
+
+def test_groups_of_numbers_that_are_close():
+    """Each value is a group of its own, and a row without a measurement is none."""
+    speeds = [10.001, 10.002, 10.001, 10.003, 99.0]
+    study = study_of_columns({"speed_mps": speeds, "e_n": [0.1, 0.2, 0.3, 0.4, None]})
+    _, names, group = _all_groups(study, "speed_mps")[1]
+    assert names == ("10.001", "10.002", "10.003")
+    np.testing.assert_array_equal(group, [0, 1, 0, 2, -1])
+    wide = np.append(1000.0 + 0.001 * np.arange(20), 5000.0)
+    e_n = [*np.full(20, 0.2), None]
+    study = study_of_columns({"mass_kg": wide, "e_n": e_n})
+    _, names, group = _all_groups(study, "mass_kg")[1]
+    assert len(names) == 5
+    np.testing.assert_array_equal(np.bincount(group[:20]), 4)
+    # One value in most tests.
+    often = np.append(np.full(60, 5.0), 6.0 + np.arange(14))
+    study = study_of_columns({"speed_mps": often, "e_n": np.full(74, 0.2)})
+    assert len(_all_groups(study, "speed_mps")[1][1]) > 1
 
 
 def test_cohesion_that_made_the_tests_is_found():

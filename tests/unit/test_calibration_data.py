@@ -139,6 +139,40 @@ def test_campaigns_are_joined(tmp_path):
     np.testing.assert_array_equal(joined.censored[2:], [[0, 1], [-1, 0]])
 
 
+def test_files_of_one_name_are_campaigns_of_their_own(tmp_path):
+    for folder, text in (("2019", "100,0.1\n400,0.2\n"), ("2023", "300,0.3\n")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "tests.csv").write_text("mass_kg,e_n\n" + text)
+    path = tmp_path / "study.toml"
+    path.write_text('data = ["2019/tests.csv", "2023/tests.csv"]\n')
+    tests = read_study(path).tests
+    assert tests.labels["campaign"] == ["2019/tests"] * 2 + ["2023/tests"]
+    assert tests.name(2) == "2023/tests row 2"
+
+
+def test_a_nuisance_of_each_test_has_a_name_of_its_own():
+    columns = {"test": ["a", "b", "a"], "mass_kg": [100, 200, 300], "e_n": [0.1] * 3}
+    orientation = {"by": "row", "prior": {"mean": 40.0, "sd": 5.0}}
+    joined = study_of_columns(columns, nuisance={"orientation_deg": orientation})
+    assert [name.removeprefix("orientation_deg") for name in names_of(joined)[-3:]] == [
+        *("[a (row 2)]", "[b]", "[a (row 4)]")
+    ]
+
+
+def test_limits_do_not_set_scale_and_kind_of_scatter():
+    """A detection limit that is far above or below what was measured says nothing of
+    how measurements scatter."""
+    exact = study_of_columns({"angle_deg": 20.0, "e_n": [0.2, 0.3, 0.25]})
+    for limit in ("<0.9", ">0.001"):
+        e_n = ["0.2", "0.3", "0.25", limit]
+        limited = study_of_columns({"angle_deg": 20.0, "e_n": e_n})
+        assert limited.scatter_open == ()
+        np.testing.assert_array_equal(limited.scale, exact.scale)
+        np.testing.assert_array_equal(limited.sigma[:3], exact.sigma)
+    alone = study_of_columns({"angle_deg": 20.0, "e_n": ["<0.3", "<0.4"]})
+    np.testing.assert_allclose(alone.scale, np.sqrt(0.125))
+
+
 @pytest.mark.slow
 def test_twin_of_two_slopes_that_nobody_measured(predicted):
     """Soil and both slopes from noise-free targets. The prior, one of 10 degrees about

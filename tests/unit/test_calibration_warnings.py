@@ -16,7 +16,7 @@ from jaximpact.calibration.diagnostics.examination import (
     worse_than_mean,
 )
 from jaximpact.calibration.diagnostics.identifiability import Verdict
-from jaximpact.calibration.diagnostics.residuals import Residuals, residuals_of
+from jaximpact.calibration.diagnostics.residuals import Bias, Residuals, residuals_of
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.parameters import about_draws, verdict
 
@@ -74,6 +74,10 @@ def test_angles_in_radians_parts_in_per_cent_and_depths_in_millimetres():
     assert "max_sinking_m are above 369 diameters" in words
     assert not doubtful_units(study(depths | {"max_sinking_m": [0.1, 2.1]}))
     (words,) = doubtful_units(study({"angle_deg": [9.0, 40.0], "e_n": [0.2, 1.2]}))
+    assert words.startswith("e_n is above 1 in row 3: ")
+    limits = {"angle_deg": [9.0, 40.0], "e_n": ["0.2", "<1.5"]}
+    assert not doubtful_units(study(limits))
+    (words,) = doubtful_units(study(limits | {"e_n": ["0.2", ">1.5"]}))
     assert words.startswith("e_n is above 1 in row 3: ")
     for fine in ([0.0, 0.0], [0.0, 1.0], [0.5, 12.0]):
         assert not doubtful_units(study({"angle_deg": fine, "e_n": [0.2, 0.9]}))
@@ -212,6 +216,28 @@ def test_sigmas_that_are_far_too_large_are_called_so(e_n, sigma, too_large):
     )
     said = [line for line in words if "the sigmas are too large" in line]
     assert len(said) == too_large
+
+
+def test_given_sigmas_that_are_too_small_beside_estimated_ones(e_n):
+    """They get a factor, which the report states."""
+    depths = {"max_penetration_m": [0.1, 0.16, 0.09, 0.15, 0.1, 0.04]}
+    lines, result = doubts(columns(e_n) | depths, default_sigma={"e_n": 1e-5})
+    (words,) = [line for line in lines if "given sigmas allow" in line]
+    assert words.startswith("The misfit of e_n is larger than its given sigmas allow. ")
+    variant = result.variants[0]
+    factor = float(np.median(variant.sigma[:, 0])) / 1e-5
+    assert factor > 10.0
+    assert f"multiplied by {factor:.3g}, " in words
+    rows = target_table(result, variant, NOTHING_ELSE).text()
+    assert f"(given, times {factor:.3g})" in rows
+
+
+def test_a_bias_from_zero_has_no_per_cent():
+    assert Bias("e_n", 0.04, 0.05, np.nan, 5, 6, 0.01, 0.02, True).words == (
+        "the fit overestimates e_n in 5 of 6 tests, by 0.04 in the mean"
+    )
+    depth = Bias("max_sinking_m", -0.04, 0.05, np.nan, 1, 6, 0.01, 0.02, True)
+    assert depth.words.endswith("in 5 of 6 tests, by 0.04 m in the mean")
 
 
 def test_a_fit_that_predicts_worse_than_the_mean_of_the_other_tests():

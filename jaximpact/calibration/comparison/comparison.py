@@ -353,10 +353,8 @@ def _all_groups(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
 
 
 def _each_test(study: Study) -> Groups:
-    there = np.any(study.known, axis=1)
-    group = np.where(there, np.cumsum(there) - 1, -1)
-    names = tuple(study.tests.name(int(test)) for test in np.flatnonzero(there))
-    return TEST, names, group
+    group, measured = study.each_test()
+    return TEST, tuple(study.tests.name(int(test)) for test in measured), group
 
 
 def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
@@ -375,7 +373,7 @@ def _groups(study: Study, name: str) -> Groups:
     if name in texts:
         labels = texts[name]
     elif name in tests.inputs:
-        labels = _labels_of_numbers(tests.inputs[name])
+        labels = _labels_of_numbers(tests.inputs[name], np.any(study.known, axis=1))
     else:
         raise InputError(
             f"by names {name!r}, which is no column of the tests; "
@@ -394,10 +392,26 @@ def _groups(study: Study, name: str) -> Groups:
     return name, names, np.where(there, group, -1)
 
 
-def _labels_of_numbers(values: np.ndarray) -> list[str]:
-    """Label numbers by their value; more than twelve by five ranges of equal count."""
-    if len(np.unique(values)) <= 12:
-        return [f"{value:g}" for value in values]
-    edges = np.quantile(values, np.linspace(0.0, 1.0, 6))
-    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, 4)
-    return [f"{edges[p]:.3g} to {edges[p + 1]:.3g}" for p in place]
+def _labels_of_numbers(values: np.ndarray, measured: np.ndarray) -> list[str]:
+    """Label numbers by their value; more than twelve by five ranges of equal count, as
+    far as anything was measured."""
+    digits = next(n for n in range(6, 18) if _apart(values, n))
+    different = np.unique(values[measured])
+    if len(different) <= 12:
+        return [f"{value:.{digits}g}" for value in values]
+    sixths = np.linspace(0.0, 1.0, 6)
+    edges = np.unique(np.quantile(values[measured], sixths))
+    if len(edges) == 2:  # one value in most tests
+        edges = np.quantile(different, sixths)
+    place = np.searchsorted(edges, values, side="right") - 1
+    place = np.clip(place, 0, len(edges) - 2)
+    digits = next(n for n in range(3, 18) if _apart(edges, n))
+    names = [f"{edge:.{digits}g}" for edge in edges]
+    return [f"{names[p]} to {names[p + 1]}" for p in place]
+
+
+def _apart(values: np.ndarray, digits: int) -> bool:
+    """Tell whether different numbers differ when written with so many digits."""
+    different = np.unique(values)
+    written = {f"{value:.{digits}g}" for value in different}
+    return len(written) == len(different) or digits == 17

@@ -5,13 +5,15 @@ import dataclasses
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+import numpy as np
+
 from ..._checks import expect
 from ...errors import InputError, did_you_mean
 from ...finding import find_class, shipped
 from ...laws.bearing import VesicWithInertia
 from ...laws.elasticity import ContactPressureModulus
 from ...parameters import Part, declared_of, parts_of
-from ...quantities import BASES, USUAL, shipped_parts
+from ...quantities import BASES, USUAL, columns_of_part, shipped_parts
 from ...rebound import (
     AbstractRebound,
     AnglePowerLaw,
@@ -22,7 +24,7 @@ from ...rebound import (
 from ...scene import Soil
 from ...scene_quantities import part_named
 from ..problem.config import Study, Variant
-from ..problem.laws import in_words, unusual
+from ..problem.laws import in_words, unusual, values_by_column
 
 MODEL, COHESION = "model", "cohesion_kPa"
 GROUNDS = {
@@ -80,9 +82,9 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
         laws: each "model"; one of `GROUNDS`, such as "model with cohesion", which is
             then fitted too; a law of the ground by its name ("FluidityRate",
             "my_laws.py:MyFlow", relative to the study) or as an object, which takes the
-            place of the study's; a `Soil`, whose laws do; a law of rebound by its words
-            ("constant coefficients"), its class or "my_laws.py:MyRebound". None for
-            `default_contenders`.
+            place of the study's; a `Soil`, whose laws do, with what values of either
+            are no defaults; a law of rebound by its words ("constant coefficients"),
+            its class or "my_laws.py:MyRebound". None for `default_contenders`.
 
     Raises InputError for a law that is unknown or stands twice.
     """
@@ -113,14 +115,34 @@ def _given(law, study: Study) -> Contender:
     if isinstance(law, Soil):
         laws = {slot: getattr(law, slot) for slot in SOIL_SLOTS}
         name = in_words(unusual(laws)) or "usual laws"
-        return Contender(name, Variant(name, dict(first.soil), laws))
+        return _with_values(Variant(name, first.soil, laws), law, SOIL_SLOTS, study)
     for slot in SOIL_SLOTS:
         if isinstance(law, BASES[slot]):
-            return _replacing(first, slot, law)
+            replaced = _replacing(first, slot, law)
+            return _with_values(replaced, Soil(**{slot: law}), (slot,), study)
     raise InputError(
         "laws must hold names, Soils, laws of the soil or laws of rebound, but holds "
         f"{law!r}"
     )
+
+
+def _with_values(
+    variant: Variant, soil: Soil, slots: tuple[str, ...], study: Study
+) -> Contender:
+    """Make a contender of laws given as objects, with those of their values that are no
+    defaults; fitted ones, and those of the tables, stay."""
+    of_soil = values_by_column("laws", soil, slots, whole_too=slots == SOIL_SLOTS)
+    columns = columns_of_part("soil", soil)
+    one_each = (*study.parameters, *study.tied, *study.nuisances)
+    taken = {*study.tests.inputs, *(one.name for one in one_each)}
+    own = {
+        name: value
+        for name, value in of_soil.items()
+        if name not in taken and not np.isclose(value, columns[name].default, 1e-12)
+    }
+    words = (f"{name} {value:g}" for name, value in own.items())
+    name = ", ".join([variant.name, *words])
+    return _contender(Variant(name, variant.soil | own, variant.laws))
 
 
 def _named(text: str, study: Study) -> list[Contender]:
@@ -143,7 +165,7 @@ def _named(text: str, study: Study) -> list[Contender]:
         return [_from_file(text, study)]
     for slot, kind in _laws_of_ground():
         if _folded(text) == _folded(kind.__name__):
-            return [_replacing(study.variants[0], slot, kind())]
+            return [_contender(_replacing(study.variants[0], slot, kind()))]
         known.append(kind.__name__)
     raise InputError(f"law {text!r} is unknown; {did_you_mean(text, known, repr)}")
 
@@ -164,7 +186,7 @@ def _from_file(text: str, study: Study) -> Contender:
     for slot in SOIL_SLOTS:
         with _other_base_allowed():
             part = part_named(slot, text, directory)
-            return _replacing(study.variants[0], slot, part)
+            return _contender(_replacing(study.variants[0], slot, part))
     raise InputError(
         f"law {text!r} derives from no law of the ground and from no law of rebound"
     )
@@ -205,12 +227,16 @@ def _ground(name: str, study: Study) -> Contender | str:
     return Contender(name, first, more)
 
 
-def _replacing(variant: Variant, slot: str, part: Part) -> Contender:
+def _contender(variant: Variant) -> Contender:
+    return Contender(variant.name, variant)
+
+
+def _replacing(variant: Variant, slot: str, part: Part) -> Variant:
     name = f"{slot.replace('_', ' ')} {type(part).__name__}"
     if type(part) is USUAL[slot]:
         name += " (usual)"
     laws = {**variant.laws, slot: part}
-    return Contender(name, dataclasses.replace(variant, name=name, laws=laws))
+    return dataclasses.replace(variant, name=name, laws=laws)
 
 
 def _folded(name: str) -> str:

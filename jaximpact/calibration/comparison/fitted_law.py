@@ -28,7 +28,6 @@ from ..estimation.sigma import freedom_of_targets, median_sigma, relative_sigma
 from ..problem.config import Study
 from ..problem.fitted_parameters import DEFAULTS, Parameter
 from ..problem.forward_model import models_of
-from ..problem.noise import least_size
 from ..problem.objective import Objective, Points, names_of
 from ..study import best_fit
 from .contenders import SIMPLE, Contender
@@ -176,7 +175,7 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
         covariance=covariance * np.outer(slope, slope),
         targets=study.targets,
         sigma=sigma * np.sqrt(uncertainty.inflation),
-        least_size=np.where(study.proportional, least_size(study.measured), np.inf),
+        least_size=np.where(study.proportional, study.least_size, np.inf),
         freedom=np.where(
             study.sigma_given,
             np.inf,

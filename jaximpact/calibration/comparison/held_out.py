@@ -30,7 +30,13 @@ import numpy as np
 # Not scipy.stats here, which takes 0.6 s to import.
 from scipy.special import log_ndtr, logsumexp
 
-from ..diagnostics.cross_validation import SMALL_STEP, Rest, fits_without, linearised
+from ..diagnostics.cross_validation import (
+    SMALL_STEP,
+    Rest,
+    fits_without,
+    linearised,
+    measured_alone,
+)
 from ..diagnostics.posterior import root_of, variances
 from ..diagnostics.predictive import NORMAL_FROM
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
@@ -88,6 +94,8 @@ def held_out(
     for rest in fits_without(objective, best, left, steps, best.x):
         predicted[rest.tests] = rest.points.predicted[0, rest.tests]
         deviation[rest.tests], density[:, rest.tests] = _predict(rest, sets)
+    # Their densities are those of the wide prior that stands for what is not measured.
+    predicted[measured_alone(objective, best, group)] = np.nan
     return HeldOut(density, predicted, deviation, int(np.sum(refitted)))
 
 

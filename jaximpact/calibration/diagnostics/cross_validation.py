@@ -27,11 +27,13 @@ from scipy.special import bdtr
 from ...progress import tell, within
 from ..estimation.least_squares import Reason, Tolerance, bounded_step
 from ..estimation.search import fit
-from ..estimation.sigma import sizes
+from ..estimation.sigma import hat, sizes
 from ..problem.objective import Objective, Points
-from .posterior import variances
+from .posterior import root_of, variances
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
+LEAST_LEFT = 1e-6
+"""Least 1 - leverage: a measurement of leverage 1 has no residual."""
 AT_MOST = 60
 """Largest number of fits without a test."""
 LEFT_OUT = Tolerance(promise=1e-3, step=1e-4, evaluations=40)
@@ -97,11 +99,8 @@ def leave_out_each(
         at_most: largest number of fits.
     """
     study = objective.study
-    # Points of a curve are one test.
-    first, known = study.tests.first_of_row, np.any(study.known, axis=1)
-    measured = np.unique(first[known])
-    group = np.where(known, np.searchsorted(measured, first), -1)
-    each = first == measured[:, None]
+    group, measured = study.each_test()
+    each = group == np.arange(len(measured))[:, None]
     steps = linearised(objective, points, each)
     soil = len(study.parameters)
     far = np.max(np.abs(steps / uncertainty.standard_errors)[:, :soil], axis=1)
@@ -110,7 +109,7 @@ def leave_out_each(
     steps[fitted] = np.nan
     names = tuple(study.tests.name(test) for test in measured)
     with within("tests left out: "):
-        rests = fits_without(objective, points, each & known, steps, points.x)
+        rests = fits_without(objective, points, each, steps, points.x)
         return _left_out(objective, points, uncertainty, names, group, rests)
 
 
@@ -148,6 +147,28 @@ def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.nda
     unknowns), for masks of the tests left out, shape (groups, tests)."""
     rests = (objective.without(tests).reevaluate(points) for tests in left)
     return np.array([bounded_step(objective, rest)[0] for rest in rests])
+
+
+def measured_alone(
+    objective: Objective, points: Points, group: np.ndarray
+) -> np.ndarray:
+    """Find the measurements, shape (tests, targets), that depend on something that no
+    other group of tests measures: the fit to the rest keeps what they gave it, and
+    predicts them by themselves.
+
+    Args:
+        group: index of the group of each test, shape (tests,); -1 for none.
+    """
+    rows, inverse = hat(objective, points)
+    # Sums of squares of these columns are leverages.
+    rows = (rows @ root_of(inverse)).reshape(*objective.study.known.shape, -1)
+    alone = np.zeros(rows.shape[:2], bool)
+    for one in range(np.max(group) + 1):
+        own = rows[group == one]
+        values, vectors = np.linalg.eigh(np.einsum("rtp,rtq->pq", own, own))
+        there = own @ vectors[:, values > 1.0 - LEAST_LEFT]
+        alone[group == one] = np.sum(there**2, axis=2) > LEAST_LEFT
+    return alone
 
 
 class Rest(NamedTuple):
@@ -201,6 +222,7 @@ def _left_out(
 ) -> LeftOut:
     study = objective.study
     predicted, deviation = np.full((2, *study.measured.shape), np.nan)
+    alone = measured_alone(objective, points, group)
     of_whole = sizes(study, points.predicted[0])
     ends, reasons = [], []
     for tests, rest, best, reason in rests:
@@ -212,6 +234,7 @@ def _left_out(
         deviation[tests] = np.sqrt(scatter[tests] + variance)
         ends.append(best.x[0])
         reasons.append(reason)
+    predicted[alone] = np.nan
     x, errors = np.array(ends), uncertainty.standard_errors
     moved = (x - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
     quantile = uncertainty.quantile_of_all

@@ -29,7 +29,6 @@ from ...progress import within
 from ...quantities import NEVER_NEGATIVE
 from ..estimation.sigma import median_sigma, relative_sigma
 from ..problem.dataset import Measurements
-from ..problem.noise import least_size, root_mean_square
 from ..problem.objective import Objective, Points
 from .cross_validation import fits_without
 from .uncertainty import Uncertainty, regular_covariance
@@ -205,11 +204,11 @@ def _scatter(
     relative = relative_sigma(study, objective.sigma, predicted)
     constant = median_sigma(study, objective.sigma)
     positive = np.isin(study.targets, NEVER_NEGATIVE)
-    size = root_mean_square(study.measured)
+    size = study.scale
     constant = np.where(positive, constant / size, constant)
     scatter = np.where(study.proportional, relative, constant) * np.sqrt(inflation)
     in_proportion = positive | study.proportional
-    return scatter, np.where(in_proportion, least_size(study.measured), np.inf)
+    return scatter, np.where(in_proportion, study.least_size, np.inf)
 
 
 def _factor(parts: list, weight: float) -> tuple[float, float]:

@@ -10,15 +10,15 @@ from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import CURVE_COLUMNS, TIME_COLUMN
 from ...scene import GRAVITY
 from ..estimation.evolution import AGREED
-from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, median_sigma
+from ..estimation.sigma import IMPROBABLE, LEAST_FREEDOM, LEAST_PART, median_sigma
 from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
 from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
 from .cross_validation import in_words as cross_validation_in_words
 from .discrepancy import Discrepancy, estimate_discrepancy
 from .further_tests import Suggestions, suggest_tests
-from .importance_sampling import COUNT, check
-from .jumps import MOST_NAMED
+from .importance_sampling import COUNT, check, stretched, weights_of
+from .jumps import MOST_NAMED, without_jumps
 from .jumps import in_words as jumps_in_words
 from .nuts import sample_posterior
 from .posterior import FEWEST as FEWEST_DRAWS
@@ -27,7 +27,7 @@ from .predictive import Bands, bands_of
 from .residuals import Residuals, residuals_of, rms, varying_inputs
 from .results import StudyResult, VariantResult
 from .scatter import doubtful_scatter
-from .uncertainty import IMPROBABLE
+from .uncertainty import stretch
 
 WORSE = 1.1
 """Ratio of the rms error and the scatter about the mean above which a fit is worse than
@@ -69,6 +69,8 @@ class Examination(NamedTuple):
     """Further tests that measure all results."""
     posterior: Draws
     """Draws of bands and predictions: those by NUTS where enough are independent."""
+    weights: np.ndarray
+    """Weights of these draws with every estimated sigma left uncertain."""
     samples: Draws | None = None
     """Draws by NUTS, where asked for."""
 
@@ -120,14 +122,21 @@ def _examine(
         )
         for together in (False, True)
     )
-    best, samples = draws, None
+    samples = None
     if posterior:
         samples = sample_posterior(variant, seed=study.seed, draws=draws)
-        best = samples.thinned(COUNT) if samples.trusted else draws
+    weights = weights_of(objective, points, _best(draws, samples))
+    smooth = without_jumps(objective, variant.jumps)
+    matrix = stretch(smooth, smooth.reevaluate(points), inflation)
+    draws = stretched(draws, objective, points, matrix)
+    if samples is not None:
+        samples = stretched(samples, objective, points, matrix)
+    best = _best(draws, samples)
     return Examination(
         residuals=residuals_of(objective, points, inflation),
         draws=draws,
         posterior=best,
+        weights=weights,
         bands=bands_of(objective, best, inflation),
         each=each,
         campaigns=campaigns,
@@ -136,6 +145,11 @@ def _examine(
         together=together,
         samples=samples,
     )
+
+
+def _best(draws: Draws, samples: Draws | None) -> Draws:
+    """Choose the draws by NUTS where enough of them are independent."""
+    return samples.thinned(COUNT) if samples and samples.trusted else draws
 
 
 def fit_of_target(result: StudyResult, variant: VariantResult, target: int) -> dict:
@@ -204,6 +218,14 @@ def warnings_of(
     return lines
 
 
+def sigma_factors(variant: VariantResult) -> dict[str, float]:
+    """Compute the factors on given sigmas that the fit found too small beside estimated
+    ones, by target."""
+    study = variant.objective.study
+    ratio = np.median(variant.sigma / study.sigma, axis=0)
+    return {n: float(ratio[study.targets.index(n)]) for n in study.understated}
+
+
 def limits_alone(study: Study) -> np.ndarray:
     """Find the targets whose sigma is not given and of which only limits are known,
     shape (targets,)."""
@@ -226,6 +248,11 @@ def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
             "The misfit is larger than the given sigmas allow. Standard errors are "
             f"multiplied by {np.sqrt(uncertainty.inflation):.3g}, which is right only "
             "if the misfit is random."
+        )
+    for name, factor in sigma_factors(variant).items():
+        lines.append(
+            f"The misfit of {name} is larger than its given sigmas allow. They are "
+            f"multiplied by {factor:.3g}, which is right only if the misfit is random."
         )
     freedom, reduced = uncertainty.degrees_of_freedom, uncertainty.reduced_chi_square
     if np.all(study.sigma_given) and chdtr(freedom, reduced * freedom) < IMPROBABLE:
@@ -288,16 +315,19 @@ def doubtful_units(study: Study) -> list[str]:
                 f"{name} is between {np.min(values):.3g} and {np.max(values):.3g} in "
                 "all tests, and is read as degrees: are these radians?"
             )
-    for place, name in enumerate(study.targets):
-        middle = np.nanmedian(study.measured[:, place])
+    # A limit below which the value lies is no sign of a large one.
+    large = np.where(study.censored < 0, np.nan, study.measured)
+    by_name = dict(zip(study.targets, large.T, strict=True))
+    for name, values in by_name.items():
+        middle = _median(values)
         if name in RATIOS and middle > 2.0:
             lines.append(
                 f"Half of the measurements of {name} are above {middle:.3g}, and are "
                 "read as ratios: are these per cent?"
             )
-    e_n = study.tests.measured["e_n"] if "e_n" in study.targets else np.zeros(1)
+    e_n = by_name.get("e_n", np.zeros(1))
     above = np.flatnonzero(e_n > 1.0)
-    if len(above) and not np.nanmedian(e_n) > 2.0:
+    if len(above) and not _median(e_n) > 2.0:
         names = ", ".join(study.tests.name(test) for test in above[:MOST_NAMED])
         more = f" and {len(above) - MOST_NAMED} more" * (len(above) > MOST_NAMED)
         lines.append(
@@ -314,8 +344,10 @@ def doubtful_units(study: Study) -> list[str]:
     block = study.scene_of(study.variants[0]).block
     weight = GRAVITY * np.asarray(block.mass)
     for name in (name for name in study.targets if name in NORMAL_FORCES):
-        largest = np.nanmax(study.tests.measured[name] / weight)
-        if largest < LEAST_FORCE:
+        exact = study.exact[:, study.targets.index(name)]
+        forces = study.tests.measured[name] / weight
+        largest = np.max(forces, where=exact, initial=-np.inf)
+        if np.any(exact) and largest < LEAST_FORCE:
             lines.append(
                 f"No measurement of {name} is above {largest:.3g} times the weight of "
                 "the block, which would not stop it, and they are read as newtons: are "
@@ -323,7 +355,7 @@ def doubtful_units(study: Study) -> list[str]:
             )
     diameter = 2.0 * np.cbrt(np.prod(np.asarray(block.semi_axes), axis=0))
     for name in (name for name in study.targets if name in DEPTHS):
-        middle = np.nanmedian(study.tests.measured[name] / diameter)
+        middle = _median(by_name[name] / diameter)
         if middle > 10.0:
             lines.append(
                 f"Half of the measurements of {name} are above {middle:.3g} diameters "
@@ -331,6 +363,12 @@ def doubtful_units(study: Study) -> list[str]:
                 "centimetres, or is mass_kg in tonnes?"
             )
     return lines
+
+
+def _median(values: np.ndarray) -> float:
+    """Compute the median of what is not NaN; 0 of nothing."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else 0.0
 
 
 class _Misfit(NamedTuple):

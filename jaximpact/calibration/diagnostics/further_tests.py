@@ -40,7 +40,6 @@ from ..problem.candidates import (
     checked_measure,
 )
 from ..problem.forward_model import ImpactModel
-from ..problem.noise import least_size
 from ..problem.program import ImpactRows, OwnColumn, program_of
 from .results import VariantResult
 from .uncertainty import bounds_information, regular_covariance
@@ -268,7 +267,7 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
     measure = {}
     scale = np.sqrt(fitted.uncertainty.inflation)
     fractions = scale * relative_sigma(study, fitted.sigma, fitted.predicted)
-    least = least_size(study.measured)
+    least = study.least_size
     for index, name in enumerate(study.targets):
         if name in CURVE_COLUMNS:
             continue
@@ -288,19 +287,24 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
 
 
 def _common(fitted: VariantResult) -> dict[str, float]:
-    """Compute the median of each stated quantity of the tests, nuisances as fitted."""
+    """Compute the median of each stated quantity of the tests with a measurement,
+    nuisances as fitted."""
     study = fitted.objective.study
     known = columns_of(fitted.objective.scene)
     soil, inputs = study.soil | fitted.variant.soil, study.tests.inputs
     values = {name: value for name, value in soil.items() if name in known}
-    values |= {n: float(np.median(v)) for n, v in inputs.items() if n in known}
+    measured = study.each_test()[0] >= 0
+    values |= {
+        n: float(np.median(v[measured])) for n, v in inputs.items() if n in known
+    }
     first = len(study.parameters)
     for nuisance in study.nuisances:
         fit = fitted.parameters[first : first + len(nuisance.groups)]
         first += len(nuisance.groups)
         if nuisance.pooled:
             continue  # the logarithm of a factor on a fitted parameter
-        values[nuisance.name] = float(np.median(nuisance.base + fit[nuisance.group]))
+        of_tests = nuisance.base + fit[nuisance.group]
+        values[nuisance.name] = float(np.median(of_tests[measured]))
     return values
 
 

@@ -237,6 +237,19 @@ def _propose(
     return *rows, kept / (batches * count)
 
 
+def stretched(
+    draws: Draws, objective: Objective, points: Points, matrix: np.ndarray | None
+) -> Draws:
+    """Give draws the scatter of the estimate by the matrix of `stretch`: they keep
+    their weights, and are predicted anew."""
+    if matrix is None:
+        return draws
+    best, bounds = points.x[0], objective.bounds
+    x = np.clip(best + (draws.x - best) @ matrix.T, bounds.low, bounds.high)
+    predicted = objective.at(draws.accuracy).values(x).predicted
+    return draws._replace(x=x, predicted=predicted)
+
+
 def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray:
     """Compute weights of draws with every estimated sigma left uncertain; the sum is 1.
 

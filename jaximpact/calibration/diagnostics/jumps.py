@@ -23,7 +23,7 @@ from .cross_validation import LeftOut
 from .importance_sampling import sample
 from .posterior import Draws
 from .results import VariantResult
-from .uncertainty import USELESS_ERROR, Uncertainty, estimate, from_draws
+from .uncertainty import USELESS_ERROR, Uncertainty, estimate, from_draws, stretch
 
 MOST_NAMED = 8
 """Largest number of tests that are named."""
@@ -53,10 +53,11 @@ def judge(objective: Objective, best: Fits, *, enough_below: float = -np.inf) ->
     smooth = without_jumps(objective, shares)
     points = smooth.reevaluate(best.points)
     uncertainty, study = estimate(smooth, points), objective.study
+    inflation = uncertainty.inflation
     draws = sample(
         objective,
         best.points,
-        uncertainty.inflation,
+        inflation,
         about=(smooth, points),
         enough_below=enough_below,
         # Beside a jump the effective sample size of the first draws is small.
@@ -69,7 +70,8 @@ def judge(objective: Objective, best: Fits, *, enough_below: float = -np.inf) ->
     determined = np.all(uncertainty.standard_errors < USELESS_ERROR)
     of_draws = bool(jumps and determined and draws.trusted)
     if of_draws:
-        uncertainty = from_draws(uncertainty, draws, best.points, len(study.parameters))
+        soil, matrix = len(study.parameters), stretch(smooth, points, inflation)
+        uncertainty = from_draws(uncertainty, draws, best.points, soil, matrix)
     return Judged(uncertainty, shares, smooth, draws, of_draws)
 
 

@@ -21,17 +21,15 @@ import numpy as np
 # Not scipy.stats here, which takes 0.6 s to import.
 from scipy.special import bdtr, ndtr, ndtri, stdtr
 
-from ...quantities import CURVE_COLUMNS
+from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS
 from ..estimation.sigma import LEAST_PART, freedom_of_targets
 from ..problem.config import Study
-from ..problem.noise import root_mean_square
 from ..problem.objective import Objective, Points
+from .cross_validation import LEAST_LEFT
 from .uncertainty import leverages
 
 FEWEST = 8
 """Least number of different values of an input for a test of trend."""
-LEAST_LEFT = 1e-6
-"""Least 1 - h: a measurement of leverage 1 has no residual."""
 LEAST_BIAS = 0.25
 """Least ratio of the mean of the residuals and their root mean square that is called a
 bias: below it is a sixteenth of their mean square, and their scatter matters more."""
@@ -59,7 +57,7 @@ class Bias(NamedTuple):
     rms: float
     """Root mean square of predicted less measured [unit of the target]."""
     percent: float
-    """Mean over the mean size of the measurements [%]."""
+    """Mean over the mean size of the measurements [%]; NaN where all are 0."""
     above: int
     """Number of exact measurements that the fit overestimates."""
     count: int
@@ -82,9 +80,12 @@ class Bias(NamedTuple):
         """The bias in words, without a full stop."""
         over = self.mean > 0.0
         number = self.above if over else self.count - self.above
+        size, unit = f"{abs(self.percent):.2g} %", TARGET_COLUMNS[self.target].unit
+        if np.isnan(self.percent):
+            size = f"{abs(self.mean):.2g} {unit}".removesuffix(" -")
         return (
             f"the fit {'overestimates' if over else 'underestimates'} {self.target} in "
-            f"{number} of {self.count} tests, by {abs(self.percent):.2g} % in the mean"
+            f"{number} of {self.count} tests, by {size} in the mean"
         )
 
 
@@ -187,7 +188,7 @@ def _biases(objective: Objective, points: Points) -> list[Bias]:
 def _is_exact(study: Study, place: int | np.integer, apart: np.ndarray) -> bool:
     """Tell whether a fit misses a target by less than anything is measured to, where
     nobody stated how well it was: numbers of the model itself, of another accuracy."""
-    size = float(root_mean_square(study.measured[:, place]))
+    size = float(study.scale[place])
     least = LEAST_PART * size
     return bool(not study.sigma_given[place] and np.sqrt(np.mean(apart**2)) < least)
 

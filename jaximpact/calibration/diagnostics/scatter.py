@@ -14,7 +14,7 @@ from collections.abc import Collection
 import numpy as np
 
 from ..estimation.sigma import LEAST_PART, leverages
-from ..problem.noise import CONSTANT, LOSSES, PROPORTIONAL, least_size
+from ..problem.noise import CONSTANT, LOSSES, PROPORTIONAL
 from ..problem.objective import Objective, Points
 from .uncertainty import LEAST_LEFT
 
@@ -38,8 +38,9 @@ def evidence_of_proportional(objective: Objective, points: Points) -> np.ndarray
     predicted = points.predicted[0]
     left = 1.0 - leverages(objective, points)
     used = study.exact & np.isfinite(predicted) & (left > LEAST_LEFT)
-    least = least_size(study.measured)
-    for target in np.flatnonzero(~study.sigma_given):
+    least = study.least_size
+    stated = study.sigma_given | np.isin(study.targets, study.understated)
+    for target in np.flatnonzero(~stated):
         cells = used[:, target]
         value, measured = predicted[cells, target], study.measured[cells, target]
         if len(value) < FEWEST or np.min(value) * np.max(value) <= 0.0:

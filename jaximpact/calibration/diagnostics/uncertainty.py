@@ -34,6 +34,7 @@ from scipy.special import chdtrc, ndtri, stdtrit
 
 from ..estimation.linear_algebra import LEAST_EIGENVALUE, inverse_positive
 from ..estimation.sigma import (
+    IMPROBABLE,
     freedom_of_targets,
     hat,
     leverages,
@@ -42,7 +43,8 @@ from ..estimation.sigma import (
     standardised_rows,
     weights_of_cells,
 )
-from ..problem.noise import losses, scale_of_normal, true_curvature
+from ..problem.config import Study
+from ..problem.noise import LOSSES, Losses, losses, scale_of_normal, true_curvature
 from ..problem.objective import Objective, Points
 from .posterior import Draws
 
@@ -53,9 +55,6 @@ LEAST_LEFT = 0.1
 """Least 1 - leverage: a measurement that alone rules the fit has no residual."""
 MANY = 20.0
 """Degrees of freedom from which the scatter is estimated test by test."""
-IMPROBABLE = 0.01
-"""Probability of a larger, or smaller, chi-square below which the given sigmas are too
-small, or too large."""
 
 
 class Uncertainty(NamedTuple):
@@ -197,7 +196,11 @@ def _of_covariance(covariance: np.ndarray, fisher: np.ndarray) -> dict:
 
 
 def from_draws(
-    uncertainty: Uncertainty, draws: Draws, points: Points, soil: int
+    uncertainty: Uncertainty,
+    draws: Draws,
+    points: Points,
+    soil: int,
+    matrix: np.ndarray | None = None,
 ) -> Uncertainty:
     r"""Replace the covariance by the mean square of the distances of draws from a fit,
 
@@ -209,8 +212,11 @@ def from_draws(
     Args:
         points: the fit, of one lane.
         soil: number of the soil's parameters, the first of the unknowns.
+        matrix: that of `stretch`, if there is one.
     """
     apart = draws.x - points.x[0]
+    if matrix is not None:
+        apart = apart @ matrix.T
     covariance = (apart.T * draws.weights) @ apart
     fisher = inverse_positive(covariance[:soil, :soil])
     return uncertainty._replace(**_of_covariance(covariance, fisher))
@@ -239,6 +245,38 @@ def laplace(objective: Objective, points: Points, inflation: float) -> np.ndarra
     return inverse_positive(curvature / inflation + prior + extra)
 
 
+def stretch(
+    objective: Objective, points: Points, inflation: float
+) -> np.ndarray | None:
+    r"""Compute the matrix by which draws of the posterior, as distances from the fit in
+    x, get the covariance of the estimate, shape (unknowns, unknowns).
+
+    $$ T = L^{-T} (L^{-1} V L^{-T})^{1/2} L^T , \qquad H = L L^T : $$
+
+    weights of targets and robust losses make H, the curvature of the cost, another
+    matrix than V, the variance of its gradient (Ribatet, Cooley and Davison 2012,
+    Statistica Sinica 22, 813). None where they are equal but for estimated sigmas.
+    """
+    study = objective.study
+    if study.loss == LOSSES[0] and np.all(study.weights == 1.0):
+        return None
+    rows, used, u = standardised_rows(objective, points)
+    exact = used & (study.censored.ravel() == 0)
+    of = losses(u, study.censored.ravel(), study.loss)
+    freedom = float(np.sum(freedom_of_targets(objective, points)))
+    h, v = _of_loss(study, of, u, exact, freedom)
+    weights = np.where(used, weights_of_cells(study), 0.0)
+    own = objective.prior_information(points.x[0]) + bounds_information(objective)
+    root = np.linalg.cholesky(
+        (rows.T * (weights * h)) @ rows / inflation + np.diag(own)
+    )
+    variance = (rows.T * (weights**2 * v)) @ rows / inflation + np.diag(own)
+    inner = np.linalg.solve(root, np.linalg.solve(root, variance).T)
+    values, vectors = np.linalg.eigh(0.5 * (inner + inner.T))
+    inner = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+    return np.linalg.solve(root.T, inner @ root.T)
+
+
 def bounds_information(objective: Objective) -> np.ndarray:
     """Compute the information of uniform distributions between the bounds; 0 for an
     unknown with a prior."""
@@ -256,9 +294,11 @@ def _parts(objective: Objective, points: Points):
     leverage = leverages(objective, points).ravel()
     freedom = float(np.sum(exact) - np.sum(leverage[exact]))
     of = losses(u, study.censored.ravel(), study.loss)
-    h, v = _of_loss(study, of, u, exact, leverage, freedom)
+    h, v = _of_loss(study, of, u, exact, freedom)
     weights = np.where(used, weights_of_cells(study), 0.0)
     curvature = (rows.T * (weights * h)) @ rows
+    if freedom >= MANY:
+        v = _of_each_test(study, of, v, exact, leverage)
     variance = (rows.T * (weights**2 * v)) @ rows
     if freedom < MANY:
         variance += _of_estimated_weights(objective, points)
@@ -276,26 +316,35 @@ def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:
     return term
 
 
-def _of_loss(study, of, u, exact, leverage, freedom):
+def _of_loss(
+    study: Study, of: Losses, u: np.ndarray, exact: np.ndarray, freedom: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compute h and v of the loss, shape (cells,)."""
     mean_curvature = mean_square = 1.0
-    if study.loss != "gaussian" and np.any(exact):
+    if study.loss != LOSSES[0] and np.any(exact):
         count = np.sum(exact)
         mean_curvature = np.mean(true_curvature(u[exact], study.loss))
         mean_square = np.sum(of.slope[exact] ** 2) / max(freedom, 1.0)
         # With all residuals large the mean may vanish: at least a tenth of the secant.
         mean_curvature = max(mean_curvature, 0.1 * np.sum(of.curvature[exact]) / count)
-    square = np.where(exact, mean_square, of.curvature)
-    # Of many measurements the scatter is estimated test by test.
-    if freedom >= MANY:
-        of_each = of.slope**2 / np.maximum(1.0 - leverage, LEAST_LEFT)
-        for target in np.flatnonzero(~study.sigma_given):
-            cells = np.zeros(study.known.shape, bool)
-            cells[:, target] = True
-            cells = cells.ravel() & exact
-            # The mean square is smaller only where sigma is at its lower limit.
-            mean = max(np.mean(of_each[cells]), 1e-300) if np.any(cells) else 1.0
-            square[cells] = of_each[cells] * max(1.0, mean_square / mean)
-    return np.where(exact, mean_curvature, of.curvature), square
+    h = np.where(exact, mean_curvature, of.curvature)
+    return h, np.where(exact, mean_square, of.curvature)
+
+
+def _of_each_test(
+    study: Study, of: Losses, v: np.ndarray, exact: np.ndarray, leverage: np.ndarray
+) -> np.ndarray:
+    """Replace v of the loss by that of each measurement, where sigma is estimated."""
+    of_each = of.slope**2 / np.maximum(1.0 - leverage, LEAST_LEFT)
+    v, mean_square = v.copy(), np.max(v[exact], initial=0.0)
+    for target in np.flatnonzero(~study.sigma_given):
+        cells = np.zeros(study.known.shape, bool)
+        cells[:, target] = True
+        cells = cells.ravel() & exact
+        # The mean square is smaller only where sigma is at its lower limit.
+        mean = max(np.mean(of_each[cells]), 1e-300) if np.any(cells) else 1.0
+        v[cells] = of_each[cells] * max(1.0, mean_square / mean)
+    return v
 
 
 def _sandwich(curvature: np.ndarray, variance: np.ndarray) -> np.ndarray:

@@ -13,13 +13,20 @@ Where scatter is proportional (`problem.noise`) the sigmas of a target are a fac
 the sizes of the predictions, and r is found likewise. A fit takes its sigmas as given,
 so that it gains nothing by predicting more in order to have larger ones; fit and sigmas
 are updated in turn.
+
+Where sigmas of some targets are given, and those of another are estimated, given ones
+that are too small for the residuals are multiplied by a factor that is estimated
+likewise. (Where all are given their inflation does that, `diagnostics.uncertainty`.)
 """
 
 import numpy as np
 
+# Not scipy.stats, which takes 0.6 s to import.
+from scipy.special import chdtrc
+
 from ...progress import within
 from ..problem.config import Study
-from ..problem.noise import least_size, losses, root_mean_square, scale_of_normal
+from ..problem.noise import losses, scale_of_normal
 from ..problem.objective import Objective, Points
 from .least_squares import Fits
 from .linear_algebra import pseudo_inverse
@@ -30,6 +37,9 @@ proportional, below which no sigma is estimated: nothing is measured better, and
 without noise would give 0."""
 LEAST_FREEDOM = 0.99
 """Degrees of freedom that a target needs for a sigma of its own: one, to rounding."""
+IMPROBABLE = 0.01
+"""Probability of a larger, or smaller, chi-square below which the given sigmas are too
+small, or too large."""
 ROUNDS = 20
 SETTLED = 3e-3
 """Relative change of every sigma at which the rounds end."""
@@ -44,7 +54,7 @@ def sizes(study: Study, values: np.ndarray) -> np.ndarray:
     """
     values = np.where(np.isfinite(values), values, study.measured)
     values = np.where(np.isfinite(values), np.abs(values), 0.0)
-    floored = np.maximum(values, least_size(study.measured))
+    floored = np.maximum(values, study.least_size)
     return np.where(study.proportional, floored, 1.0)
 
 
@@ -58,8 +68,8 @@ def relative_sigma(
             nominal ones or those of an earlier step, have no single r: the median is
             taken.
     """
-    ratio = np.where(study.known, sigma / sizes(study, predicted), np.nan)
-    return np.where(study.proportional, np.nanmedian(ratio, axis=0), np.nan)
+    ratio = median_sigma(study, sigma / sizes(study, predicted))
+    return np.where(study.proportional, ratio, np.nan)
 
 
 def median_sigma(study: Study, sigma: np.ndarray) -> np.ndarray:
@@ -161,9 +171,23 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
 
     for targets in sharing_scale(study, freedom):
         sigma[:, targets] *= factor(targets)
-    scale = np.where(study.proportional, 1.0, root_mean_square(study.measured))
+    scale = np.where(study.proportional, 1.0, study.scale)
     least = LEAST_PART * scale * sizes(study, predicted)
     return np.where(study.sigma_given, sigma, np.maximum(sigma, least))
+
+
+def understated(objective: Objective, points: Points) -> np.ndarray:
+    """Find the targets whose given sigmas are too small for their residuals at a fit
+    (points of one lane), shape (targets,); none where all sigmas are given."""
+    study, predicted = objective.study, points.predicted[0]
+    exact = study.exact & np.isfinite(predicted)
+    u = np.where(exact, (predicted - study.measured) / objective.sigma, 0.0)
+    work = u * losses(u, np.zeros(u.shape, int), study.loss).slope
+    chi_square = np.sum(work, axis=0) / scale_of_normal(study.loss)
+    freedom = freedom_of_targets(objective, points)
+    enough = study.sigma_given & (freedom >= LEAST_FREEDOM)
+    improbable = chdtrc(np.maximum(freedom, LEAST_FREEDOM), chi_square) < IMPROBABLE
+    return enough & improbable & ~np.all(study.sigma_given)
 
 
 def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:

@@ -22,7 +22,7 @@ from .dataset import Measurements, read_tests
 from .expressions import Tied
 from .fitted_parameters import Parameter, check_constants, read_parameters
 from .laws import KINDS, checked_values, in_words, parts_and_values, scene_of
-from .noise import LOSSES
+from .noise import LOSSES, least_size, root_mean_square
 from .nuisance import Nuisance, read_nuisances
 from .targets import read_targets
 
@@ -83,6 +83,9 @@ class Study:
     without sigmas: constant, or in proportion to the measurements."""
     sigma_given: np.ndarray
     """Mask of the targets whose sigmas are given, shape (targets,)."""
+    understated: tuple[str, ...] = ()
+    """Targets whose given sigmas the fit found too small: these are multiplied by a
+    factor that is estimated, and do not count as given."""
     proportional: np.ndarray
     """Mask of the targets whose sigma is estimated as a fraction of the value."""
     scatter_open: tuple[str, ...] = ()
@@ -145,6 +148,23 @@ class Study:
     def exact(self) -> np.ndarray:
         """Mask of measurements that are no limits, shape (tests, targets)."""
         return self.known & (self.censored == 0)
+
+    def each_test(self) -> tuple[np.ndarray, np.ndarray]:
+        """Find the tests with a measurement, the points of a curve as one: the index
+        among them of each row, -1 without any, and the first row of each."""
+        first, measured = self.tests.first_of_row, np.any(self.known, axis=1)
+        rows = np.unique(first[measured])
+        return np.where(measured, np.searchsorted(rows, first), -1), rows
+
+    @property
+    def scale(self) -> np.ndarray:
+        """Root mean square of each target, shape (targets,)."""
+        return root_mean_square(self.measured, self.censored)
+
+    @property
+    def least_size(self) -> np.ndarray:
+        """y_0 of each target (`noise`), shape (targets,)."""
+        return least_size(self.measured, self.censored)
 
 
 class SlopeStudyError(InputError):

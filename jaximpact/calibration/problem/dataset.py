@@ -4,10 +4,11 @@ Each time of a curve is a row of the tests, with the impact of its test, the tim
 `time_s`, and the forces there. Points of one curve share one simulated impact.
 """
 
+import collections
 import csv
 import dataclasses
 import itertools
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -78,9 +79,23 @@ class Measurements:
         for column in ("name", "test", "id"):
             if self.labels.get(column, [""] * (test + 1))[test]:
                 return self.labels[column][test] + at
+        return self._row_of(test) + at
+
+    def names_apart(self, tests: Iterable[int]) -> tuple[str, ...]:
+        """Return the names of tests, with file and row where two have one name."""
+        names = {test: self.name(test) for test in tests}
+        count = collections.Counter(names.values())
+        return tuple(
+            f"{name} ({self._row_of(test)})" if count[name] > 1 else name
+            for test, name in names.items()
+        )
+
+    def _row_of(self, test: int | np.integer) -> str:
+        """Name the row of a test, with its file where there are several."""
         path, row = self.place(test)
-        file = f"{path.stem} " if len(self.files) > 1 else ""
-        return f"{file}row {row}{at}"
+        paths = [table.path for table in self.files]
+        file = f"{_names_of(paths)[paths.index(path)]} " if len(paths) > 1 else ""
+        return f"{file}row {row}"
 
     def missing_in_words(self, fitted: Collection[str] = ()) -> str:
         """Say which inputs of block and impact the tables lack, but for fitted ones,
@@ -259,7 +274,8 @@ def joined_tables(files: tuple[SceneTable, ...]) -> Measurements:
 
     texts = pieces(LABEL_COLUMNS, "labels", "")
     labels = {name: _chained(parts) for name, parts in texts.items()}
-    stems = _chained([table.path.stem] * len(table.rows) for table in files)
+    of_files = zip(_names_of([table.path for table in files]), files, strict=True)
+    stems = _chained([name] * len(table.rows) for name, table in of_files)
     labels[CAMPAIGN] = [
         label or stem
         for label, stem in zip(labels.get(CAMPAIGN, stems), stems, strict=True)
@@ -363,6 +379,17 @@ def _joined_base(files: tuple[SceneTable, ...]) -> Scene:
         _kinds_of(table.base.block.shape, len(table.rows)) for table in files
     )
     return base if len(set(kinds)) == 1 else with_shapes(base, kinds)
+
+
+def _names_of(paths: Sequence[Path]) -> list[str]:
+    """Name files without their suffix, with as many of their folders as tell files of
+    one name apart."""
+    longest = max(len(path.parts) for path in paths)
+    for count in range(1, longest + 1):
+        names = ["/".join(path.with_suffix("").parts[-count:]) for path in paths]
+        if len(set(names)) == len(set(paths)):
+            break
+    return names
 
 
 def _kinds_of(shape: AbstractShape, count: int) -> list[type[AbstractShape]]:

@@ -1,14 +1,16 @@
 """Laws and shape of a study: by name in a file, as objects, or from fit.json."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+
+import numpy as np
 
 from ...errors import InputError
 from ...identity import code_digest
 from ...io.toml import Key, quantity, unknown
 from ...parameters import Composite, Part
-from ...quantities import BASES, SLOTS, USUAL, InputColumn
+from ...quantities import BASES, SLOTS, USUAL, InputColumn, columns_of_part
 from ...scene import Block, Scene, Soil
 from ...scene_quantities import part_named, text_of
 
@@ -61,6 +63,28 @@ def parts_and_values(
                 f"'my_laws.py:MyLaw', but is {entry!r}"
             )
     return parts, values
+
+
+def values_by_column(
+    what: str, whole: Composite, slots: Iterable[str], *, whole_too: bool = True
+) -> dict[str, float]:
+    """Collect values of a ground or a block in the units of the tables: parameters of
+    some of its parts, and its own if wanted."""
+    values = {}
+    part = "soil" if isinstance(whole, Soil) else "block"
+    slots = set(slots)
+    for name, column in columns_of_part(part, whole).items():
+        path = whole.path_of(column.field)
+        if not (path[0] in slots if len(path) > 1 else whole_too):
+            continue
+        value = np.asarray(getattr(whole, column.field))
+        if value.ndim:
+            raise InputError(
+                f"{what} must be one {part}, but its {column.field} has shape "
+                f"{value.shape}"
+            )
+        values[name] = float(value) / column.factor
+    return values
 
 
 def checked_values(

@@ -113,16 +113,20 @@ def true_curvature(u: np.ndarray, kind: str) -> np.ndarray:
     return np.ones_like(u)
 
 
-def root_mean_square(measured: np.ndarray) -> np.ndarray:
-    """Compute the root mean square of each column without NaN; 1 where all is 0, since
-    a scale must be positive."""
-    scale = np.sqrt(np.nanmean(measured**2, axis=0))
+def root_mean_square(measured: np.ndarray, censored: np.ndarray) -> np.ndarray:
+    """Compute the root mean square of each column, of its limits where it has no exact
+    measurement; 1 where all is 0, since a scale must be positive."""
+    known = np.isfinite(measured)
+    exact = known & (censored == 0)
+    used = np.where(np.any(exact, axis=0), exact, known)
+    squares = np.sum(np.where(used, measured, 0.0) ** 2, axis=0)
+    scale = np.sqrt(squares / np.maximum(np.sum(used, axis=0), 1))
     return np.where(scale > 0.0, scale, 1.0)
 
 
-def least_size(measured: np.ndarray) -> np.ndarray:
+def least_size(measured: np.ndarray, censored: np.ndarray) -> np.ndarray:
     """Compute y_0 of each column."""
-    return LEAST_SIZE * root_mean_square(measured)
+    return LEAST_SIZE * root_mean_square(measured, censored)
 
 
 class ProportionalScatter(NamedTuple):

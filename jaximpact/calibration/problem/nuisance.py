@@ -170,7 +170,7 @@ def _groups(key: Key, by: str, tests: Measurements):
     """List the groups in the order of the tests, and the index of each test's."""
     if by == EACH_TEST:
         first, group = np.unique(tests.first_of_row, return_inverse=True)
-        return tuple(tests.name(test) for test in first), group
+        return tests.names_apart(first), group
     if by not in tests.labels:
         raise key["by"].error(f"{by!r} is no column of {tests.files[0].path.name}")
     labels = tests.labels[by]

@@ -125,6 +125,15 @@ class Objective:
         study = dataclasses.replace(self.study, proportional=proportional)
         return self._changed(study=study)
 
+    def with_sigma_factors(self, targets: np.ndarray) -> "Objective":
+        """Return the objective with a factor, to be estimated, on the given sigmas of
+        targets, a mask."""
+        study = self.study
+        names = tuple(n for n, one in zip(study.targets, targets, strict=True) if one)
+        given = study.sigma_given & ~targets
+        study = dataclasses.replace(study, sigma_given=given, understated=names)
+        return self._changed(study=study)
+
     def with_loss(self, loss: str) -> "Objective":
         """Return the objective with another loss, one of `LOSSES`."""
         return self._changed(loss=loss)

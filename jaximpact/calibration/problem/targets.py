@@ -32,16 +32,17 @@ def read_targets(
     sigma, sigma_given = _sigma(top, content, tests, targets)
     proportional = _proportional(top, content, targets, sigma_given)
     measured = np.stack([tests.measured[name] for name in targets], axis=1)
-    size = np.fmax(np.abs(measured), least_size(measured))
+    censored = np.stack([tests.censored[name] for name in targets], axis=1)
+    size = np.fmax(np.abs(measured), least_size(measured, censored))
     weights = _of_targets(top, content, "weights", targets)
     return dict(
         targets=targets,
         measured=measured,
-        censored=np.stack([tests.censored[name] for name in targets], axis=1),
+        censored=censored,
         sigma=np.where(proportional, NOMINAL_SIGMA * size, sigma),
         sigma_given=sigma_given,
         proportional=proportional,
-        scatter_open=_open(content, targets, sigma_given, measured),
+        scatter_open=_open(content, targets, sigma_given, measured, censored),
         weights=np.array([float(weights.get(name, 1.0)) for name in targets]),
     )
 
@@ -130,7 +131,7 @@ def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
             sigma = np.where(np.isfinite(sigma), sigma, float(defaults[name]))
         stated = bool(np.any(np.isfinite(sigma)))
         if not stated:
-            scale = root_mean_square(measured)
+            scale = root_mean_square(measured, tests.censored[name])
             sigma = np.full(len(tests), NOMINAL_SIGMA * scale)
         for test in np.flatnonzero(np.isfinite(measured) & ~np.isfinite(sigma))[:1]:
             file, row = tests.place(test)
@@ -147,15 +148,18 @@ def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
     return np.stack(columns, axis=1), np.array(is_given)
 
 
-def _open(content, targets, sigma_given, measured) -> tuple[str, ...]:
-    """List the targets whose kind of scatter the fit chooses."""
+def _open(content, targets, sigma_given, measured, censored) -> tuple[str, ...]:
+    """List the targets whose kind of scatter the fit chooses, by their exact values."""
     stated = content.get("scatter", {})
     if isinstance(stated, str):
         return ()
     # With `fmax` an empty cell would count as a small value.
-    size = np.maximum(np.abs(measured), least_size(measured))
-    wide = np.nanmax(size, axis=0) >= DECADE * np.nanmin(size, axis=0)
-    of_one_sign = np.nanmin(measured, axis=0) * np.nanmax(measured, axis=0) >= 0.0
+    exact = np.isfinite(measured) & (censored == 0)
+    size = np.maximum(np.abs(measured), least_size(measured, censored))
+    largest = np.max(size, axis=0, where=exact, initial=0.0)
+    wide = largest >= DECADE * np.min(size, axis=0, where=exact, initial=np.inf)
+    below = np.any(exact & (measured < 0.0), axis=0)
+    of_one_sign = ~(below & np.any(exact & (measured > 0.0), axis=0))
     chosen = zip(targets, wide & of_one_sign & ~sigma_given, strict=True)
     return tuple(name for name, is_open in chosen if is_open and name not in stated)
 

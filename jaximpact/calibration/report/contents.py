@@ -19,6 +19,7 @@ from ..diagnostics.examination import (
     fit_of_target,
     freedom_text,
     limits_alone,
+    sigma_factors,
     warnings_of,
 )
 from ..diagnostics.residuals import Bias, Residuals, rms
@@ -182,12 +183,13 @@ def target_table(
     limits = bool(np.any(study.known & (study.censored != 0)))
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
-    guessed = limits_alone(study)
+    guessed, factors = limits_alone(study), sigma_factors(variant)
     rows: list[dict[str, object]] = []
     for target, name in enumerate(study.targets):
         values = fit_of_target(result, variant, target)
         origin = "guessed" if few or guessed[target] else "estimated"
-        origin = "given" if study.sigma_given[target] else origin
+        if result.study.sigma_given[target]:
+            origin = f"given, times {factors[name]:.3g}" if name in factors else "given"
         sigma = variant.sigma[study.known[:, target], target]
         size = f"{np.median(sigma):.3g}"
         if study.proportional[target]:
@@ -211,7 +213,8 @@ def _bias_cells(bias: Bias) -> tuple[str, str]:
     mean = bias.mean
     if bias.rms > 0.0:
         mean = round(mean, 2 - math.floor(math.log10(bias.rms))) + 0.0
-    return f"{mean:.3g} ({bias.percent:+.1f} %)", f"{bias.above} of {bias.count}"
+    percent = "" if math.isnan(bias.percent) else f" ({bias.percent:+.1f} %)"
+    return f"{mean:.3g}{percent}", f"{bias.above} of {bias.count}"
 
 
 def bias_table(residuals: Residuals) -> Table:

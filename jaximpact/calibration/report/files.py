@@ -1,6 +1,7 @@
 """Files of a calibration: report.html, fit.json and fitted.csv."""
 
 import contextlib
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,7 @@ from ...io.output_files import NewFile, output_directory, together
 from ...reports.json_tree import json_text, plain
 from ...reports.tables import Table
 from ..comparison.comparison import NO_OTHERS, OtherLaws
-from ..diagnostics.examination import Examination, fit_of_target
-from ..diagnostics.importance_sampling import weights_of
+from ..diagnostics.examination import Examination, fit_of_target, sigma_factors
 from ..diagnostics.nuts import to_inference_data
 from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
@@ -23,7 +23,7 @@ from ..fitted_ground import FILES, FORMAT
 from ..problem.config import Study
 from ..problem.dataset import LIMITS
 from ..problem.laws import as_entries, unusual
-from ..problem.noise import SCATTERS, least_size
+from ..problem.noise import SCATTERS
 from ..problem.nuisance import entries_of
 from .comparison import comparison_csv, comparison_json
 
@@ -186,11 +186,14 @@ def _fitted_tests(study: Study) -> dict:
             "mean": np.mean(exact) if len(exact) else None,
             "standard_deviation": np.std(exact, ddof=1) if len(exact) > 1 else None,
         }
+    group, measured = study.each_test()
     columns = study.tests.columns(study.soil)
+    columns = {name: values[group >= 0] for name, values in columns.items()}
+    shapes = itertools.compress(study.tests.shapes, group >= 0)
     return {
-        "count": len(study.tests),
+        "count": len(measured),
         "ranges": {n: (np.min(v), np.max(v)) for n, v in columns.items()},
-        "shapes": sorted(set(study.tests.shapes)),
+        "shapes": sorted(set(shapes)),
         "results": results,
     }
 
@@ -235,13 +238,15 @@ def _targets(result: StudyResult, variant: VariantResult) -> dict:
     freedom = freedom_of_targets(variant.objective, variant.points)
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     typical = median_sigma(study, variant.sigma)
-    least = least_size(study.measured)
+    least, factors = study.least_size, sigma_factors(variant)
     fit = {}
     for target, name in enumerate(study.targets):
         fit[name] = fit_of_target(result, variant, target) | {
             "sigma": typical[target],
             "degrees_of_freedom": freedom[target],
         }
+        if name in factors:
+            fit[name]["times_given_sigma"] = factors[name]
         if study.proportional[target]:
             fit[name]["part_of_size"] = relative[target]
             fit[name]["least_size"] = least[target]
@@ -255,7 +260,7 @@ def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
     return {
         "biases": diagnostics.residuals.biases,
         "trends": diagnostics.residuals.trends,
-        "draws": _draws(variant, diagnostics.posterior),
+        "draws": _draws(variant, diagnostics.posterior, diagnostics.weights),
         "posterior": None if samples is None else _samples(variant, samples),
         "left_out": {"test": diagnostics.each, "campaign": diagnostics.campaigns},
         "discrepancy": diagnostics.discrepancy,
@@ -266,8 +271,7 @@ def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
     }
 
 
-def _draws(variant: VariantResult, draws: Draws) -> dict:
-    weights = weights_of(variant.objective, variant.points, draws)
+def _draws(variant: VariantResult, draws: Draws, weights: np.ndarray) -> dict:
     return {
         "count": len(draws.x),
         "effective_parts": draws.effective_fraction,

@@ -68,13 +68,22 @@ def _score_table(scores: dict[str, Scores]) -> Table:
     head = ("target", "tests", "rms", "bias", "in 50 %", "in 95 %", "CRPS")
     rows = [
         (
-            *(name, one.count, one.rms, one.bias, one.inside_50, one.inside_95),
+            *(name, one.count, one.rms, one.bias),
+            *(_of_known(one, inside) for inside in (one.inside_50, one.inside_95)),
             *(one.crps, one.mean_rms, one.mean_crps),
             None if one.skill is None else f"{one.skill:+.2f}",
         )
         for name, one in scores.items()
     ]
     return Table((*head, "rms of mean", "CRPS of mean", "skill"), rows)
+
+
+def _of_known(scores: Scores, inside: int) -> str | None:
+    """Write a number of measurements, with of how many where the scatter of others is
+    unknown."""
+    if scores.with_scatter == scores.count:
+        return str(inside)
+    return f"{inside} of {scores.with_scatter}" if scores.with_scatter else None
 
 
 def remarks_on(
@@ -87,7 +96,7 @@ def remarks_on(
             '"of mean": forecast by mean and scatter of the fitted tests, without a '
             "model. Skill is 1 for a perfect forecast, 0 for that one."
         )
-    count = sum(one.count for one in scores.values())
+    count = sum(one.with_scatter for one in scores.values())
     inside = sum(one.inside_95 for one in scores.values())
     if count:
         words = f"{inside} of {count} measurements lie within their 95 % intervals"
