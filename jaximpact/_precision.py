@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ._jax_internals import Tracer, computed_at_once, setting
-from ._settings import own_transfers
+from ._settings import own_settings
 from ._types import Number
 
 MESSAGE = (
@@ -39,7 +39,7 @@ def float64_leaf(value: Number) -> Float[Array, "..."]:
         return _number(float(value), math.copysign(1.0, value))
     if isinstance(value, jax.Array) and _is_float64(value):
         return value
-    with computed_at_once(), own_transfers():
+    with computed_at_once(), own_settings():
         return jnp.asarray(value, dtype=jnp.float64)
 
 
@@ -51,7 +51,7 @@ def _is_float64(value: jax.Array) -> bool:
 @functools.lru_cache(maxsize=4096)
 def _number(value: float, sign: float) -> Float[Array, ""]:
     """Turn a plain number into an array. A scene has thirty, most of them defaults."""
-    with own_transfers():
+    with own_settings():
         return handed_over(np.float64(value))
 
 

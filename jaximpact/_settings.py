@@ -19,16 +19,18 @@ def numpy_settings() -> np.errstate:
 
 
 @contextlib.contextmanager
-def own_transfers() -> Iterator[None]:
-    """Let the package's transfers pass `jax.transfer_guard`, also as a decorator.
+def own_settings() -> Iterator[None]:
+    """Let the package's own work pass the guards of JAX, also as a decorator.
 
-    A guard is there to find transfers that nobody meant. Whoever makes a soil of a
-    number, or calls `simulate`, means that number to reach the device.
+    `jax.transfer_guard` is there to find transfers that nobody meant: whoever makes a
+    soil of a number, or calls `simulate`, means that number to reach the device.
+    `jax_numpy_rank_promotion` is there to find shapes that nobody meant.
     """
     import jax  # which the help of a command does not need
 
     to_device = jax.transfer_guard_host_to_device("allow")
-    with to_device, jax.transfer_guard_device_to_host("allow"):
+    to_host = jax.transfer_guard_device_to_host("allow")
+    with to_device, to_host, jax.numpy_rank_promotion("allow"):
         yield
 
 
@@ -38,7 +40,7 @@ def thread_settings() -> Iterator[None]:
     starts it."""
     import jax
 
-    with jax.enable_x64(True), own_transfers():
+    with jax.enable_x64(True), own_settings():
         yield
 
 

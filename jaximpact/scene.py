@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from . import laws
 from ._checks import expect, real_numbers
 from ._jax_internals import Tracer, broadcast_shapes
-from ._settings import own_transfers
+from ._settings import own_settings
 from ._tables import html_table
 from ._types import Scalar
 from .errors import InputError
@@ -232,7 +232,7 @@ class Impact(Composite):
         """Make an impact from angles in degrees, and spin in degrees a second."""
         angles = (angle, orientation, angular_velocity, slope)
         names = ("angle", "orientation", "angular_velocity", "slope")
-        with own_transfers():
+        with own_settings():
             angles = {
                 name: value * DEGREE
                 if isinstance(value, jax.Array)

@@ -16,7 +16,7 @@ from jaxtyping import Array
 
 from .._jax_internals import Tracer, is_inside_jit, namespace_of, primal_of
 from .._precision import handed_over
-from .._settings import own_transfers
+from .._settings import own_settings
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..identity import tracing
@@ -36,7 +36,7 @@ from .rows import columns_of, values_of
 from .simd import KernelSet
 
 
-@own_transfers()
+@own_settings()
 def solve(
     structure,
     leaves,
@@ -49,7 +49,7 @@ def solve(
     return _solved(structure, leaves, accuracy, ledger, None, engine).numbers
 
 
-@own_transfers()
+@own_settings()
 def solve_at(
     structure, leaves, accuracy: Accuracy, ledger: bool, times: np.ndarray | Array
 ) -> tuple[ImpactSummary, History]:
@@ -84,7 +84,7 @@ def _solve_at(structure, leaves, accuracy: Accuracy, ledger: bool, times):
     return numbers, jax.device_put(history)
 
 
-@own_transfers()
+@own_settings()
 def solve_recorded(
     scene: Scene, accuracy: Accuracy, engine: Engine = NATIVE
 ) -> tuple[ImpactSummary, History]:
@@ -168,7 +168,7 @@ def _known_rows(wanted: Request, values: list) -> list[Array]:
     solution, columns = columns_of(wanted, known, None, list(varied), in_jax=False)
     rows = np.array(jax.tree.leaves(solution))
     # One array, since JAX takes a while for each. What is transposed later is outside
-    # of `own_transfers`.
+    # of `own_settings`.
     numbers = handed_over(np.array([rows, *(column for (column,) in columns)]))
     return _rows_along(list(varied.values()), numbers)
 
@@ -213,7 +213,7 @@ def _solve_jvp(wanted: Request, primals, tangents):
         return rows, [jnp.zeros_like(part) for part in rows]
     solution, columns = columns_of(wanted, values, times, list(steps), in_jax)
     rows = _stacked(solution)
-    if not in_jax:  # what is transposed later is outside of `own_transfers`
+    if not in_jax:  # what is transposed later is outside of `own_settings`
         columns = jax.device_put(columns)
     if not wanted.sampled:
         of_numbers = [column for (column,) in columns]

@@ -13,7 +13,8 @@ import jax
 import jax.numpy as jnp
 
 from .._types import Scalar
-from ..laws import AbstractHardening, Branch
+from ..laws import Branch
+from ..scene import Soil
 from .dynamics import (
     INITIAL_SINKING,
     Contact,
@@ -104,14 +105,14 @@ def branch_of(switches: Switches) -> Branch:
     )
 
 
-def in_force(switches: Switches, hardening: AbstractHardening) -> Switches:
-    """Tell which switches are active: those of flow while the soil yields, those of
+def in_force(switches: Switches, soil: Soil) -> Switches:
+    """Tell which switches are active: those of flow while the soil flows, those of
     hardening where the soil's law has them."""
-    yields = switches.yielding > 0.0
-    by_sliding, by_rocking = hardening.heeds_signs()
-    always = jax.tree.map(lambda _: jnp.ones_like(yields), switches)
+    flows = (switches.yielding > 0.0) | soil.flow.flows_below_yield
+    by_sliding, by_rocking = soil.hardening.heeds_signs()
+    always = jax.tree.map(lambda _: jnp.ones_like(flows), switches)
     return always._replace(
-        heave=yields, shear=yields & by_sliding, rocking=yields & by_rocking
+        heave=flows, shear=flows & by_sliding, rocking=flows & by_rocking
     )
 
 

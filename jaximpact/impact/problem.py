@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from .._types import Flag, Scalar, Structure
 from ..accuracy import MAX_STEPS, MAX_STEPS_DAMPED
-from ..laws import Branch, Stiffness
+from ..laws import Branch, FlowRate, Stiffness
 from ..quantities import columns_of
 from ..scene import Scene
 from ..shapes import Foundation
@@ -29,6 +29,7 @@ from .dynamics import (
     Work,
     arm_power,
     contact,
+    for_laws,
     force_rate,
     initial_motion,
     jump_of_elastic_normal,
@@ -73,6 +74,8 @@ LOADS = ("elastic_normal", "elastic_tangential", "elastic_rotation", *FORCES)
 """Unknowns that carry the load."""
 
 
+HALVINGS = 8
+"""Halvings of the load at the start of a ground that flows below yield."""
 EARLY, EARLY_TOLERANCE = 0.1, 0.03
 """Penetration by R up to which errors count less, and the most that may be allowed."""
 ALLOWED_MORE = {
@@ -319,6 +322,34 @@ def stiffness_of_block(ground: ImpactConstants) -> Stiffness:
     )
 
 
+def _relaxed(ground: ImpactConstants, motion: Motion) -> Motion:
+    """Take the load at the start down to yield, and on until flow is no faster than the
+    block sinks, where the ground flows below yield too.
+
+    The load is ten thousand times as large: a power of that relaxes faster than any
+    step, and past zero, where some laws have a state that they never leave. What the
+    springs give up is flow, which hardens.
+    """
+    if not ground.soil.flow.flows_below_yield:
+        return motion
+    now = contact(ground, motion)
+    excess = now.load.size / motion.hardening
+    compression = motion.elastic_normal / jnp.maximum(excess, 1.0)
+    for _ in range(HALVINGS):
+        relaxed = contact(ground, motion._replace(elastic_normal=compression))
+        flows = relaxed.flow.normal > relaxed.approach[0]
+        compression = jnp.where(flows, 0.5 * compression, compression)
+    zero = jnp.zeros_like(compression)
+    hardening = ground.soil.hardening(
+        motion.hardening,
+        FlowRate(motion.elastic_normal - compression, zero, zero),
+        for_laws(ground, now.foundation),
+    )
+    return motion._replace(
+        elastic_normal=compression, hardening=motion.hardening + hardening
+    )
+
+
 def pose(
     scene: Scene, assembly: Assembly, tolerance, floor
 ) -> tuple[Problem, Float[Array, " n"]]:
@@ -326,7 +357,7 @@ def pose(
     ground = prepare(scene)
     if assembly.model.is_round:
         ground = ground._replace(shape=scene.block.shape.when_round())
-    motion = initial_motion(scene)
+    motion = _relaxed(ground, initial_motion(scene))
     radius = ground.axes.minor
     speed = scene.impact.speed
     stiffness = stiffness_of_block(ground)

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from .._settings import own_transfers
+from .._settings import own_settings
 from .._tables import Row, align, html_table
 from .._types import Scalar
 from ..errors import InputError
@@ -351,7 +351,7 @@ class ImpactSummary(eqx.Module):
             return value  # in a tree of other things, such as types
         xp: Any = jnp if isinstance(value, jax.Array) else np
         # Also for who prints all numbers: what is computed with it is checked again.
-        with jax.debug_nans(False), own_transfers():
+        with jax.debug_nans(False), own_settings():
             return xp.where(xp.abs(value) > LARGEST_DEFINED, xp.nan, value)
 
 

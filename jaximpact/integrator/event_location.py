@@ -119,7 +119,7 @@ def _courses(
     share = jnp.concatenate([place, jnp.ones_like(end[ends:])])
     end = jnp.concatenate([-depth, end[ends:]])
     end_rate = jnp.concatenate([lowest_rate, end_rate[ends:]])
-    active = in_force(before.watched.switches, problem.ground.soil.hardening)
+    active = in_force(before.watched.switches, problem.ground.soil)
     counts = jnp.concatenate(
         [
             jnp.ones_like(place, bool),

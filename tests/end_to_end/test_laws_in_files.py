@@ -121,12 +121,13 @@ def test_simulate_takes_a_law_by_its_file(laws, scene, capsys):
     assert manifest["laws"]["flow"].startswith("my_laws.Creeping (")
     assert manifest["scene"]["my_creep_share"] == 0.1
     assert scene_values(scene_of_values(manifest["scene"])) == manifest["scene"]
-    # With the parameters of Perzyna's flow it is that flow.
+    # With the parameters of Perzyna's flow it is that flow. It may flow below yield,
+    # which other steps are made for: errors at `balanced` are 1e-6.
     alike = simulate(
         scene.block, Soil(flow="my_laws.py:Creeping", my_rate=8.7), scene.impact
     )
     usual = simulate(scene.block, Soil(), scene.impact)
-    assert float(alike.e_n) == pytest.approx(float(usual.e_n), rel=1e-9)
+    assert float(alike.e_n) == pytest.approx(float(usual.e_n), rel=1e-6)
 
 
 def test_help_lists_laws_shapes_and_their_quantities(capsys):
@@ -396,6 +397,7 @@ from jaximpact.laws import overstress, parameter
 class ScaledFlow(AbstractFlow):
     \"\"\"Flow by the overstress, scaled by a number from another file.\"\"\"
 
+    flows_below_yield = False
     v_ref: Scalar = parameter(8.7, "m/s", "[0, inf)", "velocity of flow at Phi = 1")
 
     def __call__(self, load, hardening, foundation, *, branch=None):

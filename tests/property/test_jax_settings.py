@@ -12,6 +12,7 @@ from jax import export
 
 from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
 from jaximpact.errors import InputError
+from jaximpact.laws import Perzyna
 
 pytestmark = pytest.mark.slow
 
@@ -52,6 +53,26 @@ def test_checks_for_nan_find_none_where_none_was_asked_for(checked, kind):
         assert np.all(np.isfinite(function(0.8)))
     for function in (numbers, forward):
         assert np.all(np.isfinite(jax.vmap(function)(jnp.array([0.8, 0.88]))))
+
+
+def test_shapes_of_the_package_pass_a_check_of_ranks():
+    """`jax_numpy_rank_promotion` finds shapes that a user did not mean."""
+
+    class Own(Perzyna):
+        """Another class, which is traced."""
+
+    def numbers(gamma_v):
+        soil, times = Soil(flow=Own(), gamma_v=gamma_v), np.linspace(0.0, 0.1, 5)
+        impact = Impact(speed=SPEED, angle=np.array([0.1, 0.3, 0.5]))
+        result = simulate(Block(), soil, impact, save_at=times, accuracy="fast")
+        return result.e_n, result.history.normal_force
+
+    with jax.numpy_rank_promotion("raise"):
+        forward = jax.jacfwd(numbers)(3.0)
+        reverse = jax.jit(jax.grad(lambda x: jnp.sum(numbers(x)[0])))(3.0)
+        batched = jax.vmap(lambda x: numbers(x)[0])(jnp.array([3.0, 4.0]))
+    assert float(reverse) == pytest.approx(float(jnp.sum(forward[0])), rel=1e-9)
+    np.testing.assert_array_equal(batched[0], numbers(3.0)[0])
 
 
 @pytest.mark.parametrize("kind", KINDS)
