@@ -4,6 +4,7 @@ Source: Dattola et al. (2023), Table 2, Fig. 13 and the supplementary material. 
 paper gives ranges; the steps within them are ours.
 """
 
+import copy
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def parametric_set(name: str, ground: str | None = None) -> tuple[Scene, Axes]:
     """
     if not isinstance(name, str) or name not in _SETS:
         raise InputError(f"{name} is no parametric set; {did_you_mean(name, _SETS)}")
-    values, axes = _SETS[name]
+    values, axes = copy.deepcopy(_SETS[name])
     if ground is None:
         return scene_of_values(values), axes
     check_ground(ground)

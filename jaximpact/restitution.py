@@ -14,6 +14,11 @@ def defined_ratio(numerator: Scalar, denominator: Scalar) -> Scalar:
     return jnp.where(defined, ratio, jnp.nan)
 
 
+def defined_root(x: Scalar) -> Scalar:
+    """Square root of `max(x, 0)`, with gradient 0 where x <= 0; NaN of NaN."""
+    return jnp.where(jnp.isnan(x), x, safe_sqrt(x))
+
+
 def energetic_coefficient(
     e_n: Scalar,
     e_t: Scalar,
@@ -31,11 +36,15 @@ def energetic_coefficient(
         rotational_ratio_before, rotational_ratio_after: rotational over total kinetic
             energy.
 
-    Equal to $\sqrt{E_k/E_{k0}}$ identically. Source: Dattola et al. (2023), eq. 5,
-    which prints $R_t$ for $R_r$.
+    Equal to $\sqrt{E_k/E_{k0}}$ identically; NaN of a failed impact. At vertical
+    incidence, where e_t is NaN, it does not count.
+
+    Source: Dattola et al. (2023), eq. 5, which prints $R_t$ for $R_r$.
     """
-    translational = (e_n * jnp.cos(angle)) ** 2 + (e_t * jnp.sin(angle)) ** 2
-    return safe_sqrt(
+    sin = jnp.sin(angle)
+    along = jnp.where(sin == 0.0, 0.0, e_t) * sin
+    translational = (e_n * jnp.cos(angle)) ** 2 + along**2
+    return defined_root(
         (1.0 - rotational_ratio_before) / (1.0 - rotational_ratio_after) * translational
     )
 

@@ -143,9 +143,13 @@ class ImpactResult(ImpactSummary):
         names = [f.name for f in dataclasses.fields(ImpactSummary)]
         numbers = [getattr(self, name) for name in names if name != "energy"]
         leaves = jax.tree.leaves((self.scene, numbers), is_leaf=lambda x: x is None)
-        return all(map(_is_known, leaves)) and bool(
-            np.all(np.isin(self.outcome_code, list(Outcome)))
-        )
+        if not all(map(_is_known, leaves)):
+            return False
+        # Derivatives of codes are 0, as the code of an outcome is, but so are those of
+        # steps, of which every impact that ended has some.
+        ended = ~np.isin(self.outcome_code, (Outcome.separating, Outcome.failed))
+        known = np.isin(self.outcome_code, list(Outcome))
+        return bool(np.all(known & ~(ended & (np.asarray(self.steps) < 1.0))))
 
     def to_dataframe(self, *, all_inputs: bool = False) -> "pd.DataFrame":
         """Make a table with one row an impact, as `jaximpact batch` writes it.

@@ -320,6 +320,9 @@ def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
         for name, values in axis.values.items():
             along[name] = values[places.ravel()]
     kinds = along.pop(SHAPE, None)
+    if not along and kinds is not None and len(set(kinds)) == 1:
+        # One class of shape, without a number that varies, is no array.
+        along["mass_kg"] = np.full(len(kinds), float(base.block.mass))
     return scene_with(base if kinds is None else with_shapes(base, kinds), along)
 
 

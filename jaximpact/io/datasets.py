@@ -228,9 +228,8 @@ def check_beside_series(dimensions: Iterable[str]) -> None:
 def _has_one_time_base(history: History) -> bool:
     """Tell whether all impacts have the times that were asked for with `save_at`."""
     time = np.asarray(history.time)
-    return history.in_contact is not None and bool(
-        np.all(time == time.reshape(-1, time.shape[-1])[:1])
-    )
+    first = time[(0,) * (time.ndim - 1)]
+    return history.in_contact is not None and bool(np.all(time == first))
 
 
 def impact_attributes(

@@ -150,7 +150,11 @@ def journal_path(path: Path) -> Path:
 @contextlib.contextmanager
 def replacing_with_manifest(path: Path, manifest: Mapping) -> Iterator[Path]:
     """Give a temporary path for results, as `replacing` does; they appear with their
-    manifest beside them."""
+    manifest beside them.
+
+    Raises InputError where another file has the manifest's name.
+    """
+    _check_manifest(manifest_path(path))
     with replacing(manifest_path(path)) as beside, replacing(path) as temporary:
         put_text(beside, json.dumps(manifest, indent=2) + "\n")
         yield temporary
@@ -189,17 +193,22 @@ def output_files(
     for option, path in outputs.items():
         _check_unowned(option, path)
     for path in manifests:
-        if path.exists() and not _is_manifest(path):
-            raise InputError(
-                f"{path} is in the way, and no manifest says that jaximpact wrote it; "
-                "move it, or choose another name of results"
-            )
+        _check_manifest(path)
     with contextlib.ExitStack() as stack:
         for path in outputs.values():
             stack.enter_context(locked(path))
         yield
         for journal in journals:
             journal.unlink(missing_ok=True)
+
+
+def _check_manifest(path: Path) -> None:
+    """Raise InputError for a file that is there, and is no manifest."""
+    if path.exists() and not _is_manifest(path):
+        raise InputError(
+            f"{path} is in the way, and no manifest says that jaximpact wrote it; move "
+            "it, or choose another name of results"
+        )
 
 
 def _check_unowned(option: str, path: Path) -> None:

@@ -31,6 +31,9 @@ def csv_of_parquet(path: Path, data: bytes) -> bytes:
     arrow: Any = needed("pyarrow.lib", f"{path}, a table in Parquet,")
     try:
         frame = pd.read_parquet(io.BytesIO(data), engine="pyarrow")
+        # An index with a name is a column, as in a CSV.
+        named = [name for name in frame.index.names if name is not None]
+        frame = frame.reset_index(level=named) if named else frame
     except (arrow.ArrowException, OSError, ValueError) as error:
         raise InputError(f"is no table in Parquet: {error}", file=path) from error
     single = frame.select_dtypes("float32").columns

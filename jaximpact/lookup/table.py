@@ -85,7 +85,10 @@ def direction_of(
     closing = impact.normal_velocity + arm * spin
     slip = impact.tangential_velocity - radius * spin
     turning = spin * block.semi_axes.minor
-    flat = jnp.hypot(slip, turning)
+    # The derivatives of size and angle do not exist there: with slip, and no turning.
+    still = (slip == 0.0) & (turning == 0.0)
+    slip = jnp.where(still, 1.0, slip)
+    flat = jnp.where(still, 0.0, jnp.hypot(slip, turning))
     return Direction(
         jnp.hypot(closing, flat),
         jnp.arctan2(closing, flat),
@@ -166,6 +169,9 @@ class TableError(NamedTuple):
     """Number of impacts."""
     failed: int
     """Number of impacts left out, as the model could not integrate them."""
+    without_entry: int = 0
+    """Number of impacts left out that the model integrates, but of which the table has
+    no entry: beyond its speeds or slopes, or beside nodes that failed."""
 
 
 class ReboundTable(eqx.Module):
@@ -235,6 +241,9 @@ class ReboundTable(eqx.Module):
         nodes = " x ".join(map(str, self.outcomes.shape))
         slopes = ", ".join(f"{slope / DEGREE:.4g}" for slope in self.slopes.tolist())
         low, high = (float(self.speeds[end]) for end in (0, -1))
+        beyond = ""
+        if error.without_entry:
+            beyond = f", and {error.without_entry:g} that the table does not have"
         return "\n".join(
             [
                 f"{self.outcomes.size} impacts of a block of {float(self.block.mass):g}"
@@ -245,7 +254,7 @@ class ReboundTable(eqx.Module):
                 f" median {error.median:.2g}, 90 % {error.of_90_percent:.2g}, 99 % "
                 f"{error.of_99_percent:.2g}; another outcome in "
                 f"{error.wrong_outcomes:.2%}; {error.failed:g} left out, as the model "
-                "failed",
+                f"failed{beyond}",
                 f"kinetic energy after by that before, mean: {error.energy:.4g}, in "
                 f"the model {error.energy_of_model:.4g}",
             ]
@@ -287,6 +296,7 @@ class ReboundTable(eqx.Module):
         beyond = direction.total_speed > self.speeds[-1] * (1.0 + margin)
         beyond |= impact.slope > self.slopes[-1] + margin
         beyond |= impact.slope < self.slopes[0] - margin
+        beyond |= jnp.isnan(direction.total_speed + impact.slope + impact.orientation)
         away = direction.elevation <= 0.0
         failed = beyond | (outcome == int(Outcome.failed))
         values = [

@@ -15,6 +15,7 @@ from .._packages import versions
 from .._precision import require_float64
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
+from ..errors import InputError
 from ..identity import part_names
 from ..impact.events import Outcome
 from ..impact_response import COLUMNS, ImpactResponses, respond
@@ -54,10 +55,11 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
     """Sample impacts inside a table.
 
     Directions of approach, orientations and slopes are uniform, speeds log-uniform from
-    1 m/s or the table's first speed on.
+    1 m/s on, if the table has such, or from its first speed on.
     """
     generator = np.random.default_rng(seed)
-    low, high = max(1.0, float(table.speeds[0])), float(table.speeds[-1])
+    first, high = float(table.speeds[0]), float(table.speeds[-1])
+    low = max(first, 1.0) if high > 1.0 else first
     closing, slip, turning = generator.normal(size=(3, count))
     factor = slip_factor_of(table.outcomes.shape[3])
     direction = Direction(
@@ -104,6 +106,8 @@ def measure_error(
         impacts: fields that broadcast to `(n,)`, such as the impacts of a run-out; or
             the number of random ones.
         accuracy: of the model; by default that of the table.
+
+    Raises InputError where no impact is left to be compared.
     """
     are_impacts = isinstance(impacts, Impact)
     sample = impacts if are_impacts else random_impacts(table, impacts)
@@ -120,7 +124,13 @@ def measure_error(
             entry[:3],
         )
     )
-    good = (computed.outcome != Outcome.failed) & np.all(np.isfinite(looked_up), axis=0)
+    failed = computed.outcome == Outcome.failed
+    good = ~failed & np.all(np.isfinite(looked_up), axis=0)
+    if not np.any(good):
+        raise InputError(
+            f"of {good.size} impacts there is none that the table has, with speeds up "
+            f"to {table.speeds[-1]:g} m/s and its slopes, and the model can integrate"
+        )
     before, model, looked_up = before[:, good], model[:, good], looked_up[:, good]
     # Twice the kinetic energy per mass.
     shares = np.array([1.0, 1.0, float(table.block.shape.unit_inertia)])
@@ -143,7 +153,8 @@ def measure_error(
         energy_of_model=energy(model),
         wrong_outcomes=float(np.mean(wrong)),
         impacts=int(np.sum(good)),
-        failed=int(np.sum(~good)),
+        failed=int(np.sum(failed)),
+        without_entry=int(np.sum(~good & ~failed)),
     )
 
 

@@ -4,9 +4,9 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from .._safe import safe_sqrt
 from .._types import Scalar
 from ..parameters import parameter
+from ..restitution import defined_root
 from ..scene import Block, Impact
 from ..units import DEGREE
 from .base import AbstractRebound, Rebound, contact_point, rebound_of_impulse
@@ -84,11 +84,11 @@ class BozzoloPamini(AbstractRebound):
             - tangential_arm * impact.normal_velocity
         )
         spin = momentum / (inertia + mass * (normal_arm**2 + tangential_arm**2))
-        closing = point.normal_velocity > 0.0
+        away = point.normal_velocity <= 0.0  # not where it is NaN
         return Rebound(
-            jnp.where(closing, -tangential_arm * spin, impact.normal_velocity),
-            jnp.where(closing, normal_arm * spin, impact.tangential_velocity),
-            jnp.where(closing, spin, impact.angular_velocity),
+            jnp.where(away, impact.normal_velocity, -tangential_arm * spin),
+            jnp.where(away, impact.tangential_velocity, normal_arm * spin),
+            jnp.where(away, impact.angular_velocity, spin),
         )
 
 
@@ -186,7 +186,7 @@ class FrictionalEllipsoid(AbstractRebound):
             slip_end + left / compressing_after,
         )
         # Without approach there is no impulse, whatever the slip.
-        compression = jnp.where(approach > 0.0, compression, 0.0)
+        compression = jnp.where(approach <= 0.0, 0.0, compression)
 
         normal_impulse = (1.0 + self.e_contact) * compression
         slipped = jnp.minimum(normal_impulse, slip_end)
@@ -240,7 +240,7 @@ class PfeifferBowen(AbstractRebound):
         friction = r_t + (1.0 - r_t) / (1.2 + slip**2)
         scaling = r_t / (1.0 + (v_n / (250.0 * FOOT * r_n)) ** 2)
         energy = inertia * spin**2 + block.mass * v_t**2
-        speed = safe_sqrt(
+        speed = defined_root(
             radius**2 * energy * friction * scaling / (inertia + block.mass * radius**2)
         )
         forward = jnp.where(v_t == 0.0, spin, v_t) >= 0.0

@@ -44,7 +44,7 @@ def draw_tornado(dataset: xr.Dataset, on: On = None) -> Figure:
 
     Raises ValueError for a dataset of many impacts, or of something else.
     """
-    _check_dimensions(dataset, "elasticity")
+    dataset = _with_dimensions(dataset, "elasticity")
     count = dataset.sizes["output"]
     columns = min(count, 3)
     figure, axes = panels(
@@ -61,7 +61,9 @@ def draw_tornado(dataset: xr.Dataset, on: On = None) -> Figure:
 
 
 def _draw_tornado(axes: Axes, of_output: xr.Dataset) -> None:
-    value, unit = float(of_output.output_value), str(of_output.output_unit.values)
+    # Where one parameter was chosen it lies along that too.
+    value = float(np.ravel(of_output.output_value)[0])
+    unit = str(np.ravel(of_output.output_unit)[0])
     unit = "" if unit == "-" else f" {unit}"
     axes.set_title(f"{of_output.output.values}\n{value:.3g}{unit}")
     elasticity = of_output.elasticity.values
@@ -118,7 +120,7 @@ def draw_heat_map(dataset: xr.Dataset, on: On = None) -> Figure:
     """
     signed = "elasticity" in dataset
     variable = "elasticity" if signed else "total_order"
-    _check_dimensions(dataset, variable)
+    dataset = _with_dimensions(dataset, variable)
     values = dataset[variable].transpose("output", "parameter").values
     rows, columns = values.shape
     title = ELASTICITIES_TITLE if signed else TOTALS_TITLE
@@ -161,7 +163,7 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
 
     Raises ValueError for a dataset of something else.
     """
-    _check_dimensions(dataset, "total_order")
+    dataset = _with_dimensions(dataset, "total_order")
     count, parameters = dataset.sizes["output"], dataset.sizes["parameter"]
     columns = min(count, 3)
     height = 1.1 + 0.4 * parameters
@@ -173,7 +175,7 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
         of_output = dataset.sel(output=name)
         panel.set_title(name)
         if not np.any(np.isfinite(of_output.total_order)):
-            empty_panel(panel, str(of_output.reason.values))
+            empty_panel(panel, str(np.ravel(of_output.reason)[0]))
             continue
         of_output = of_output.sortby("total_order")
         places = np.arange(parameters)
@@ -195,7 +197,9 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
     return figure
 
 
-def _check_dimensions(dataset: xr.Dataset, variable: str) -> None:
+def _with_dimensions(dataset: xr.Dataset, variable: str) -> xr.Dataset:
+    """Return a dataset whose variable lies along outputs and parameters, also where one
+    of either was chosen. Raises ValueError for one without it, or along more."""
     if variable not in dataset:
         raise ValueError(f"the dataset must hold {variable}, but holds {list(dataset)}")
     more = set(dataset[variable].dims) - {"parameter", "output"}
@@ -204,6 +208,8 @@ def _check_dimensions(dataset: xr.Dataset, variable: str) -> None:
             "the drawing is of one impact, but the dataset has the dimensions "
             f"{sorted(map(str, more))} too; choose with .sel or .isel"
         )
+    chosen = {"parameter", "output"} - set(dataset[variable].dims)
+    return dataset.expand_dims(sorted(chosen))
 
 
 def _cell_text(entry: xr.Dataset) -> str:

@@ -103,7 +103,9 @@ def check_ranges(
                 ) from None
             interval = Range(lower, upper)
         _check_range(column, interval)
-        checked[column.name] = interval
+        # Python's numbers, which attributes of a dataset can hold.
+        ends = float(interval.lower), float(interval.upper)
+        checked[column.name] = Range(*ends, interval.distribution)
     if len(checked) < 2:
         raise InputError(
             "at least two parameters must vary together, but there is only "

@@ -26,7 +26,7 @@ from jaximpact.scene import GRAVITY
 from jaximpact.scene_quantities import scene_with
 from jaximpact.sensitivity import Check, State
 from jaximpact.sensitivity.elasticities import differences
-from jaximpact.sensitivity.figures import draw_heat_map
+from jaximpact.sensitivity.figures import draw_heat_map, draw_tornado
 
 VERTICAL = Scene(Block(mass=500.0))
 OBLIQUE = Scene(
@@ -326,3 +326,17 @@ def test_a_heat_map_has_a_number_or_a_reason_in_each_cell(upright):
     assert {"y=0", "none"} < set(texts)
     with pytest.raises(ValueError, match="must hold elasticity"):
         upright.drop_vars("elasticity").jaximpact.plot_tornado()
+
+
+@pytest.mark.parametrize(
+    "chosen", [("output",), ("parameter",), ("output", "parameter")]
+)
+def test_one_output_or_parameter_is_drawn(upright, chosen):
+    one = upright.isel(dict.fromkeys(chosen, 0))
+    whole = upright.isel({name: [0] for name in chosen})
+    for draw in (draw_heat_map, draw_tornado):
+        texts = [
+            [text.get_text() for axes in draw(data).axes for text in axes.texts]
+            for data in (one, whole)
+        ]
+        assert texts[0] == texts[1]

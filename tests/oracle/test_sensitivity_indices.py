@@ -350,3 +350,10 @@ def test_a_seed_repeats_a_study_and_a_journal_goes_on(tmp_path):
     # A sphere that comes in along the normal neither slides nor turns.
     assert "no group" in str(found.sel(output="e_t").reason.values)
     assert "does not change" in str(found.sel(output="omega_radps").reason.values)
+
+
+def test_ends_of_ranges_may_be_numbers_of_numpy():
+    """As the least and the largest value of a column are."""
+    ranges = {"angle_deg": np.array([0, 80]), "k_E": (np.float32(100.0), np.int64(900))}
+    found = sobol(Scene(), ranges, ["e_n"], blocks=8, accuracy="fast")
+    assert json.loads(found.attrs["ranges"])["k_E"]["lower"] == 100.0

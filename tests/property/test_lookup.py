@@ -324,3 +324,46 @@ def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_pa
 def test_values_out_of_range_are_told(values, message):
     with pytest.raises(ValueError, match=message):
         tabulate(**values)
+
+
+def test_impacts_that_a_table_does_not_have_are_no_failures_of_the_model(of_sphere):
+    fast = 2.0 * float(of_sphere.speeds[-1])
+    error = measure_error(of_sphere, Impact(speed=np.array([10.0, fast]), angle=0.3))
+    assert (error.impacts, error.failed, error.without_entry) == (1, 0, 1)
+    text = dataclasses.replace(of_sphere, error=error).in_words()
+    assert "0 left out, as the model failed, and 1 that the table does not have" in text
+    with pytest.raises(InputError, match="there is none that the table has"):
+        measure_error(of_sphere, Impact(speed=np.array([fast]), angle=0.3))
+
+
+def test_a_table_of_slow_impacts_alone():
+    table = tabulate(SPHERE, speeds=(0.1, 0.9), nodes=Nodes(3, 4, 5))
+    speeds = direction_of(SPHERE, random_impacts(table, 100)).total_speed
+    assert np.max(speeds) <= 0.9 * (1.0 + 1e-9)
+    assert table.error.impacts == MANY
+
+
+def test_what_is_not_known_of_an_impact_is_not_looked_up(of_sphere):
+    impact = Impact(speed=jnp.array([10.0, jnp.nan]), angle=0.1)
+    entry = of_sphere.look_up(impact)
+    assert int(entry.outcome[1]) == Outcome.failed
+    assert np.isnan(entry.normal_velocity[1])
+    assert np.isfinite(entry.normal_velocity[0])
+
+
+def test_the_derivative_at_a_vertical_impact_without_spin(of_sphere):
+    def after(speed, angle=0.0):
+        return of_sphere(SPHERE, Impact(speed=speed, angle=angle)).normal_velocity
+
+    step = 1e-4
+    difference = (after(10.0 + step) - after(10.0 - step)) / (2.0 * step)
+    assert float(jax.grad(after)(10.0)) == pytest.approx(float(difference), rel=1e-6)
+
+
+def test_rows_do_not_replace_what_is_no_manifest(of_sphere, tmp_path):
+    mine = tmp_path / "table.csv.manifest.json"
+    mine.write_text("mine")
+    with pytest.raises(InputError, match="no manifest says that jaximpact wrote it"):
+        write_csv(tmp_path / "table.csv", of_sphere)
+    assert mine.read_text() == "mine"
+    assert not (tmp_path / "table.csv").exists()

@@ -481,3 +481,31 @@ def test_sphericity_compares_with_the_sphere_of_equal_volume(ratio):
     sphere = Block(mass=block.mass).semi_axes.minor
     expected = float(sphere / block.semi_axes.major)
     assert float(block.sphericity) == pytest.approx(expected, rel=1e-14)
+
+
+def test_the_energetic_coefficient_of_vertical_and_of_failed_impacts():
+    """e_t has no meaning there; what is NaN stays so, and is no loss of all energy."""
+    result = simulate_batch(Block(), Soil(), Impact(angle=np.array([0.0, 0.3])))
+    arguments = result.e_n, result.e_t, result.scene.impact.angle, 0.0, result.R_r
+    found = energetic_coefficient(*arguments)
+    np.testing.assert_allclose(found, result.e_bar, rtol=1e-14)
+    assert np.isnan(energetic_coefficient(np.nan, np.nan, 0.3, 0.0, 0.1))
+    slope = jax.grad(energetic_coefficient)(0.2, jnp.nan, 0.0, 0.0, 0.0)
+    assert float(slope) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        BozzoloPamini(),
+        FrictionalEllipsoid(e_contact=0.3, friction_coefficient=0.6),
+        PfeifferBowen(normal_coefficient=0.3, tangential_coefficient=0.8),
+        RigidEllipsoid(e_contact=0.3),
+    ],
+)
+@pytest.mark.parametrize("missing", ["speed", "angular_velocity"])
+def test_what_is_not_known_before_an_impact_is_not_after_it(law, missing):
+    """A missing spin, as tables have, is no spin that passes on."""
+    values = {"speed": 10.0, "angle": 0.3, "orientation": 0.4, "angular_velocity": 1.0}
+    rebound = law(Block(aspect_ratio=1.5), Impact(**values | {missing: jnp.nan}))
+    assert np.isnan(rebound.angular_velocity)

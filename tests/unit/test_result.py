@@ -450,3 +450,13 @@ def test_an_outcome_is_its_code_and_its_word():
 def test_a_batch_is_not_traced():
     with pytest.raises(InputError, match="take simulate"):
         jax.jit(lambda mass: simulate_batch(Block(mass=mass)).e_n)(np.ones(3))
+
+
+def test_derivatives_are_not_shown_as_an_impact():
+    """The derivative of an outcome's code is 0, the code of `detached`."""
+
+    def of_fluidity(gamma_v):
+        return simulate(Block(), Soil(gamma_v=gamma_v), Impact())
+
+    assert repr(of_fluidity(8.7)).startswith("ImpactResult: detached")
+    assert "detached" not in repr(jax.jacfwd(of_fluidity)(8.7))

@@ -287,3 +287,22 @@ def test_long_names_are_names(dataset):
         assert not set(",;:()") & set(variable.attrs.get("long_name", ""))
     assert dataset.orientation_deg.long_name == "orientation"
     assert dataset.outcome.comment.endswith("separating or failed")
+
+
+def test_axes_of_a_set_may_be_changed():
+    """Which changes no set that is asked for later."""
+    before = parametric_set("I")[1]
+    _, axes = parametric_set("I")
+    axes["aspect_ratio"] = [1.0]
+    axes["ground"]["c_v"][0] = 9.0
+    after = parametric_set("I")[1]
+    np.testing.assert_array_equal(after["aspect_ratio"], before["aspect_ratio"])
+    assert after["ground"]["c_v"][0] == 1.0
+
+
+def test_no_times_and_one_shape_are_axes_too():
+    assert sweep(Scene(), {"angle_deg": [1.0]}, save_at=[]).sizes["time"] == 0
+    result = simulate(Block(mass=[1.0, 2.0]), Soil(), Impact(), save_at=[])
+    assert dict(result.to_xarray().sizes) == {"scene": 2, "time": 0}
+    alike = sweep(Scene(), {"case": {"name": ["a", "b"], "shape": ["Ellipsoid"] * 2}})
+    assert float(np.ptp(alike.e_n.values)) == 0.0

@@ -269,3 +269,13 @@ def test_without_pyarrow_nothing_is_computed_first(frame, folder, monkeypatch, c
     assert main(["batch", "scenes.csv", "--out", "results.parquet"]) == 2
     assert_one_line_error(capsys, "--out results.parquet needs the package pyarrow")
     assert [path.name for path in folder.iterdir()] == ["scenes.csv"]
+
+
+def test_an_index_of_parquet_is_a_column(tmp_path):
+    """As it is in a CSV of the same frame: a mass is no default."""
+    frame = pd.DataFrame({"mass_kg": [500.0, 2000.0], "angle_deg": [10.0, 20.0]})
+    by_name = frame.assign(name=["a", "b"]).set_index(["name", "mass_kg"])
+    by_name.to_parquet(tmp_path / "tests.parquet")
+    table = read_table(tmp_path / "tests.parquet", measured=True)
+    np.testing.assert_array_equal(table.numbers["mass_kg"], [500.0, 2000.0])
+    assert table.labels["name"] == ["a", "b"]

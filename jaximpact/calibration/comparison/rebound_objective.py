@@ -14,14 +14,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ..._safe import safe_sqrt
 from ..._types import Structure
 from ...accuracy import PRESETS, Accuracy
 from ...errors import InputError
 from ...impact.events import Outcome
 from ...quantities import DERIVED_COLUMNS, columns_of, leaf_places, own_columns
 from ...rebound import AbstractRebound, Rebound
-from ...restitution import defined_ratio
+from ...restitution import defined_ratio, defined_root
 from ...scene import Block, Impact, Scene
 from ..problem.config import Study
 from ..problem.fitted_parameters import Parameter
@@ -45,7 +44,7 @@ def results_of(block: Block, impact: Impact, after: Rebound) -> dict[str, Array]
     rotational = block.inertia * spin**2
     before = block.mass * impact.speed**2 + block.inertia * impact.angular_velocity**2
     total = translational + rotational
-    e_bar, R_r = safe_sqrt(total / before), defined_ratio(rotational, total)
+    e_bar, R_r = defined_root(total / before), defined_ratio(rotational, total)
     values = after.e_n(impact), after.e_t(impact), e_bar, R_r, v_n, v_t, spin
     return dict(zip(RESULTS, values, strict=True))
 
