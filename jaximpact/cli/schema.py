@@ -55,6 +55,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.out is None:
         print(text)
         return
+    options.check_ending("--out", arguments.out, ".json")
     with output_files({"--out": arguments.out}):
         write_text(arguments.out, text + "\n")
 

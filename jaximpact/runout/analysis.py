@@ -202,7 +202,7 @@ def _largest_of_parts(
     convex, and largest at an end. So these are exact, and no samples.
     """
     x, y = runs.profile.x, runs.profile.y
-    cells = np.union1d(edges, x[(x > edges[0]) & (x < edges[-1])])
+    cells = np.union1d(edges, x)
     of, cell, at_low, at_high = _over_cells(whole, cells)
     part = select(whole, of)
     back = part.sign < 0.0
@@ -231,6 +231,7 @@ def _largest_of_parts(
         for squared, body in zip(squares, bodies[:2], strict=True)
     ]
     bin_of = np.searchsorted(edges, 0.5 * (cells[1:] + cells[:-1])) - 1
+    bin_of = np.clip(bin_of, 0, len(edges) - 2)
     largest = Maxima(
         np.maximum.reduce(heights),
         np.sqrt(np.maximum(*squares)),

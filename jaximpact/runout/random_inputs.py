@@ -234,6 +234,8 @@ def draw(
     samples, repeats = {}, combinations(quantities)
     for name, quantity in quantities.items():
         if type(quantity) is tuple:
+            if not quantity:
+                raise InputError(f"{name} is an empty list of values")
             repeats //= len(quantity)
             places = np.arange(count) // repeats % len(quantity)
             samples[name] = np.asarray(quantity)[places]

@@ -200,6 +200,8 @@ class RunState:
         n, surface = release.count, ground or profile
         numbers = None if ground is None else ground.numbers
         constants = _constants_of(release.block)
+        # First, as it tells what does not fit the blocks or the segments.
+        of_blocks = _ground_of_blocks(surface, n, profile.segments)
         radius = constants.round.radius, constants.outline.largest
         return cls(
             profile=profile,
@@ -211,7 +213,7 @@ class RunState:
             roughness=spread(surface.roughness, n, profile.segments),
             blocks=_at_release(release.body),
             constants=constants,
-            ground=_ground_of_blocks(surface, n, profile.segments),
+            ground=of_blocks,
             contacts=Recorder(ContactRecord),
             pieces=Recorder(Pieces),
             lookahead=np.zeros(n, int),

@@ -307,8 +307,8 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
             if y[i] == y[i + 1]:
                 hint = ", which is the point before once more"
         return (
-            f" needs x that increases from point to point, but x goes from {x[i]:g} to "
-            f"{x[i + 1]:g} at point {i + 2}{hint}"
+            f" needs x that increases from point to point, but x goes from {x[i]:.10g} "
+            f"to {x[i + 1]:.10g} at point {i + 2}{hint}"
         )
     return None
 
@@ -414,8 +414,8 @@ def check_inside(profile: Profile, x: float, verb: str = "is", **place) -> None:
     """Raise InputError, with its place in a file, for an x at or beyond the ends."""
     if not profile.x[0] < x < profile.x[-1]:
         raise InputError(
-            f"must lie between the ends of the profile, {profile.x[0]:g} and "
-            f"{profile.x[-1]:g}, but {verb} {x:g}",
+            f"must lie between the ends of the profile, {profile.x[0]:.10g} and "
+            f"{profile.x[-1]:.10g}, but {verb} {x:.10g}",
             **place,
         )
 
@@ -457,9 +457,14 @@ def spread(values: ArrayLike, blocks: int, segments: int) -> np.ndarray:
         ) from None
 
 
+SAME_PLACE = 1e-6
+"""Distance up to which two x are one place [m]: what a file gives in millimetres, or in
+national coordinates, differs by rounding from the same in metres."""
+
+
 def subdivide(profile: Profile, places: ArrayLike) -> tuple[Profile, np.ndarray]:
     """Cut the segments of a profile at some x [m], in any order; those at its points,
-    or beyond its ends, cut nothing.
+    to `SAME_PLACE`, or beyond its ends, cut nothing.
 
     The pieces have their segment's ground, and go straight on but for rounding.
 
@@ -467,9 +472,13 @@ def subdivide(profile: Profile, places: ArrayLike) -> tuple[Profile, np.ndarray]
         The profile, and for each of its segments the index of the one that it is a
         piece of, `(segments,)`. The profile itself where nothing is cut.
     """
-    places = np.asarray(places, float)
-    inside = (places > profile.x[0]) & (places < profile.x[-1])
-    x = np.union1d(profile.x, places[inside])
+    places = np.unique(np.asarray(places, float))
+    after = np.clip(np.searchsorted(profile.x, places), 1, profile.segments)
+    nearest = np.minimum(
+        places - profile.x[after - 1], profile.x[after] - places
+    )  # negative beyond the ends
+    places = places[nearest > SAME_PLACE]
+    x = np.union1d(profile.x, places[np.diff(places, prepend=-np.inf) > SAME_PLACE])
     if len(x) == len(profile.x):
         return profile, np.arange(profile.segments)
     piece = np.searchsorted(profile.x, x[:-1], side="right") - 1

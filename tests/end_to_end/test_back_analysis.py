@@ -20,7 +20,13 @@ from jaximpact.runout.back_analysis import posterior as posterior_module
 from jaximpact.runout.back_analysis import predictive
 from jaximpact.runout.back_analysis.data_sets import _seed, simulate_data_sets
 from jaximpact.runout.back_analysis.observed import ObservedCount
-from jaximpact.runout.back_analysis.predictive import predict
+from jaximpact.runout.back_analysis.predictive import (
+    PASSAGE_COLUMNS,
+    PER_PLACE,
+    _curve,
+    column_of,
+    predict,
+)
 from jaximpact.runout.back_analysis.problem import read_slope_fit
 from jaximpact.runout.back_analysis.report import warnings_of
 from jaximpact.runout.study.barriers import estimates_of
@@ -216,6 +222,22 @@ def test_narrow_intervals_and_parameters_that_act_together_are_named(fitted):
         posterior = dataclasses.replace(fitted.posterior, **changes)
         (line,) = warnings_of(dataclasses.replace(fitted, posterior=posterior))
         assert said in line
+
+
+def test_blocks_that_fail_are_told_and_no_shares(fitted):
+    """Of those that did not fail half exceed a value, whatever failed beside them."""
+    fit = fitted.fit
+    x = fit.places[0]
+    first = column_of(fit.places, x, PASSAGE_COLUMNS[0])
+    outcomes = np.full((3, 40, 1 + PER_PLACE * len(fit.places) + 1), np.nan)
+    outcomes[..., -1] = np.arange(40) >= 20
+    outcomes[:, :10, first], outcomes[:, 10:20, first] = 5.0, 15.0
+    curve = _curve(fit, outcomes, x, PASSAGE_COLUMNS[0])
+    assert curve.share[0] == 1.0
+    assert curve.share[np.searchsorted(curve.values, 10.0)] == 0.5
+    predicted = fitted.predicted._replace(failed=0.064)
+    (line,) = warnings_of(dataclasses.replace(fitted, predicted=predicted))
+    assert line.startswith("6.4 % of the blocks failed on the fitted ground")
 
 
 def test_the_command_writes_a_report_and_goes_on_where_it_was(

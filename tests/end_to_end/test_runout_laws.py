@@ -136,7 +136,8 @@ def test_a_soil_law_of_ones_own_is_heeded(study):
     own, same, other = runs_at(8.7), runs_at(8.7, usual=True), runs_at(2.0)
     np.testing.assert_allclose(own.x[:2], same.x[:2], rtol=1e-9)
     velocity = same.normal_velocity[0]
-    assert own.normal_velocity[0] == pytest.approx(velocity, rel=1e-6)
+    # A law that may flow below yield takes other steps: errors at `fast` are 1e-4.
+    assert own.normal_velocity[0] == pytest.approx(velocity, rel=1e-4)
     assert abs(other.normal_velocity[0] - velocity) > 0
 
 

@@ -24,6 +24,7 @@ from jaximpact.runout import (
 from jaximpact.runout.study import run_study as study_module
 
 # Before a test replaces `simulate`, which it imports.
+from jaximpact.runout.study.drawing import draw_stops
 from jaximpact.runout.study.output import names_of_files
 
 pytestmark = pytest.mark.slow
@@ -199,3 +200,54 @@ def test_blocks_that_leave_at_once_keep_their_energy(tmp_path, places, stays):
     np.testing.assert_array_equal(end[[*stays]], release[[*stays]])
     others = np.setdiff1d(range(6), stays)
     assert np.all(end[others] > release[others])
+
+
+TO_THE_LEFT = """
+count = 60
+seed = 1
+
+[profile]
+points_m = [[0, 0], [300, 0], [360, 40], [420, 120]]
+
+[ground]
+rolling_friction_angle_deg = { from = 25, to = 35, correlation_length_m = 20 }
+
+[block]
+mass_kg = 100
+
+[release]
+x_m = 418
+clearance_m = 1
+v_x_mps = { from = -6, to = -1 }
+
+[contacts]
+law = "constant coefficients"
+e_n = 0.35
+e_t = 0.85
+"""
+
+
+def test_slopes_that_descend_to_the_left(tmp_path, capsys):
+    (tmp_path / "left.toml").write_text(TO_THE_LEFT)
+    out = tmp_path / "out"
+    assert main(["runout", str(tmp_path / "left.toml"), "--out", str(out)]) == 0
+    dataset = read_netcdf(out / "blocks.nc")
+    stops = dataset.x_m.values[dataset.ending.values == "stopped"]
+    text = " ".join((out / "report.html").read_text().split())
+    percentile = f"{np.percentile(stops, 5):.4g}"
+    assert f"95 % of those that stopped did so beyond x = {percentile} m" in text
+    assert f"the farthest at {np.min(stops):.4g} m" in text
+    assert "Blocks run to the left." in text
+    # It varies along the slope.
+    assert "rolling friction is its default" not in text
+
+
+def test_stops_that_differ_by_rounding_are_drawn(slope_results):
+    """As in a ditch in which all blocks come to rest."""
+    dataset = slope_results.dataset
+    x = 60.0 + 1e-13 * np.arange(dataset.sizes["block"])
+    ditch = dataset.assign(
+        x_m=("block", x), ending=("block", np.full(len(x), "stopped", object))
+    )
+    (axes,) = draw_stops(ditch).axes
+    assert sum(patch.get_height() for patch in axes.patches) == len(x)

@@ -214,3 +214,13 @@ def test_the_highest_point_of_a_flight_is_found_between_samples():
         20.0 + 15.0**2 / (2 * G), rel=1e-12
     )
     assert np.isnan(height[0])
+
+
+def test_what_lies_beyond_the_outer_edges_counts_to_the_outer_bins(runs):
+    """Exactly: over each segment of the profile there, as within them."""
+    x = runs.profile.x
+    inner = np.linspace(x[0], x[-1], 7)[2:5]
+    found = maxima_along(runs, inner)
+    whole = maxima_along(runs, np.array([x[0], *inner[1:-1], x[-1]]))
+    for one, other in zip(found, whole, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12)

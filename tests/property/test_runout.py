@@ -457,3 +457,32 @@ def test_runs_are_a_table_a_dataset_and_a_drawing():
     ends = next(line for line in axes.lines if line.get_label() == "end")
     np.testing.assert_array_equal(ends.get_xdata(), runs.x)
     pyplot.close(figure)
+
+
+@pytest.mark.parametrize("time", [3.0, 9.0, 15.0, 18.0, 23.0])
+def test_a_time_limit_ends_blocks_on_the_ground_too(time):
+    """In flight, on one straight line of hundreds of metres, and on the next."""
+    profile = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0], Soil())
+    release = Release(Block(), x=2.0, y=234.0, v_x=20.0)
+    law = ClosedForm(ConstantCoefficients(e_n=0.4, e_t=0.8))
+    whole = simulate_runout(profile, release, law).path(0, 0.01)
+    runs = simulate_runout(profile, release, law, time_limit=time)
+    assert list(runs.ending) == [Ending.time_limit]
+    assert runs.time[0] == pytest.approx(time, abs=1e-9)
+    # Between samples 0.01 s apart, at accelerations below g.
+    assert runs.x[0] == pytest.approx(
+        np.interp(time, whole["time"], whole["x"]), abs=1e-3
+    )
+    assert runs.y[0] == pytest.approx(
+        np.interp(time, whole["time"], whole["y"]), abs=1e-3
+    )
+
+
+def test_cuts_a_rounding_apart_are_one():
+    """As ends of materials in metres beside points of a drawing in millimetres."""
+    profile = Profile([0.0, 60300 * 1e-3, 300.0], [100.0, 50.0, 0.0], Soil())
+    same, piece = subdivide(profile, [60.3])
+    assert same is profile
+    cut, piece = subdivide(profile, [10.0, 10.0 + 1e-9, 300.0 - 1e-9])
+    np.testing.assert_array_equal(cut.x, [0.0, 10.0, 60300 * 1e-3, 300.0])
+    np.testing.assert_array_equal(piece, [0, 0, 1])

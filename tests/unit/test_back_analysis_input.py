@@ -11,7 +11,7 @@ from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.rebound import ConstantCoefficients
 from jaximpact.runout import ClosedForm, read_slope_study, simulate_runout
 from jaximpact.runout.back_analysis.data_sets import _seed, simulate_data_sets
-from jaximpact.runout.back_analysis.observed import MOST_BLOCKS
+from jaximpact.runout.back_analysis.observed import MOST_BLOCKS, ObservedCount
 from jaximpact.runout.back_analysis.problem import read_slope_fit
 
 LAW = 'law = "constant coefficients"\ne_n = 0.35\ne_t = 0.85'
@@ -244,3 +244,19 @@ def test_the_command_refuses_in_one_line(slope, capsys):
     changed(slope, "[observed]", "[observe]")
     assert main(command) == 2
     assert_one_line_error(capsys, "did you mean observed?")
+
+
+@pytest.mark.filterwarnings(UNUSED)
+def test_of_more_blocks_released_none_observed_is_left_out(slope):
+    """What was mapped is used whole, however many blocks came down."""
+    few = [channel.blocks for channel in read_slope_fit(slope).observed.channels]
+    changed(slope, "[observed]\n", "[observed]\nblocks = 1000\n")
+    observed = read_slope_fit(slope).observed
+    assert observed.released == 1000
+    assert [channel.blocks for channel in observed.channels] == few
+    assert observed.remarks == ()
+
+
+def test_places_of_a_national_grid_keep_their_digits():
+    count = ObservedCount(2600150.4, 11, 20)
+    assert count.words == "share past x = 2600150.4 m"

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact import Block
+from jaximpact import Block, Soil
 from jaximpact.errors import InputError
 from jaximpact.rebound import ConstantCoefficients, Rebound
 from jaximpact.runout import (
@@ -126,3 +126,15 @@ def test_blocks_that_fail_end_nowhere():
     assert runs.count_endings() == {"failed": 3}
     assert np.all(np.isnan([runs.x, runs.y]))
     assert np.all(np.isfinite(runs.time))
+
+
+def test_a_ground_of_other_blocks_is_refused_in_a_line():
+    """The natural mistake of (blocks,) for (blocks, 1)."""
+    profile = Profile([0.0, 50.0, 100.0], [50.0, 20.0, 0.0], Soil())
+    release = Release(Block(mass=[100.0, 200.0, 300.0]), x=2.0, y=55.0)
+    ground = Ground(Soil(gamma_v=[1.0, 2.0, 3.0]))
+    law = ClosedForm(ConstantCoefficients(e_n=0.3, e_t=0.8))
+    with pytest.raises(ValueError, match="must broadcast to 3 blocks and 2 segments"):
+        simulate_runout(profile, release, law, ground=ground)
+    with pytest.raises(InputError, match="a is an empty list"):
+        draw({"a": ()}, 3, 0)

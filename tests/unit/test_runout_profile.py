@@ -31,7 +31,10 @@ def test_segments_descend_and_rise():
         (([0.0, 2.0, 1.0], [0.0] * 3), "x goes from 2 to 1 at point 3"),
         (([0.0, 0.0], [0.0, 1.0]), "x goes from 0 to 0 at point 2; a wall"),
         (([0.0, 0.0], [1.0, 1.0]), "at point 2, which is the point before once more"),
-        (([0.0, 5e-324, 9.0], [9, 5, 0]), r"goes from 0 to 4.94066e-324 at point 2"),
+        (
+            ([0.0, 5e-324, 9.0], [9, 5, 0]),
+            r"goes from 0 to 4.940656458e-324 at point 2",
+        ),
         (([0.0, 5.0], [-9999.0] * 2), "y of point 1 is -9999, a mark for no data"),
         (([0.0, 1.0], [0.0, np.nan]), "y of point 2 must be finite, but is nan"),
         (([0.0, 1e9], [0.0, 1.0]), "x of point 2 must be within 1e[+]08 m of 0"),
@@ -210,3 +213,10 @@ def test_coordinates_must_resolve_the_block():
         check_release(Release(pebble, 9e7 + 100.0, 180.0), profile)
     with pytest.raises(ValueError, match=r"release's y must be within 1e[+]08 of 0"):
         Release(rock, 100.0, 1e16)
+
+
+def test_the_row_of_x_that_does_not_increase_is_named(tmp_path):
+    path = tmp_path / "profile.csv"
+    path.write_text("x_m,y_m\n0,50\n\n60,20\n60,10\n90,0\n")
+    with pytest.raises(InputError, match=r"row 5: .* x goes from 60 to 60 at point 3"):
+        read_profile(path)

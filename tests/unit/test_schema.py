@@ -62,3 +62,11 @@ def test_values_of_all_kinds_pass():
 def test_what_is_refused_does_not_pass(command, content, said):
     (problem,) = problems(command, content)
     assert said in problem
+
+
+def test_a_schema_replaces_no_study(tmp_path, capsys):
+    study = tmp_path / "mine.toml"
+    study.write_text("[block]\n")
+    assert main(["schema", "runout", "--out", str(study)]) == 2
+    assert "--out must end in .json" in capsys.readouterr().err
+    assert study.read_text() == "[block]\n"

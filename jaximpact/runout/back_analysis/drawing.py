@@ -13,6 +13,7 @@ from ...plotting.style import (
     legend_outside,
     panels,
 )
+from ..study.barriers import at_x
 from .posterior import FittedParameter
 from .predictive import ChannelPrediction, Curve
 from .problem import ENDS
@@ -73,7 +74,7 @@ def draw_curve(curve: Curve) -> Figure:
     axes.fill_between(curve.values, curve.low, curve.high, color=BLUE, alpha=0.25)
     axes.plot(curve.values, curve.share, color=BLUE)
     axes.set(
-        xlabel=f"{curve.quantity} at x = {curve.place:g} m",
+        xlabel=f"{curve.quantity} at {at_x(curve.place)}",
         ylabel="share of blocks that exceed it",
         ylim=(0.0, max(1e-3, 1.05 * float(np.max(curve.high)))),
     )

@@ -12,6 +12,7 @@ from ...io.scene_table import reads_as_number
 from ...io.toml import Key, check_keys, known_table, number, typed, whole
 from ..coordinates import FASTEST, HIGHEST_CLIFF
 from ..profile_formats import records_of_file
+from ..study.barriers import at_x
 from ..terrain import Profile, check_inside
 
 KEYS = ("blocks", "stops", "passages", "counts", "held_out_m", "sigma")
@@ -47,7 +48,7 @@ class ObservedValues(NamedTuple):
         """Name in reports."""
         if self.place is None:
             return f"{self.quantity} of stopping points"
-        return f"{self.quantity} at x = {self.place:g} m"
+        return f"{self.quantity} at {at_x(self.place)}"
 
 
 class ObservedCount(NamedTuple):
@@ -60,7 +61,7 @@ class ObservedCount(NamedTuple):
     @property
     def words(self) -> str:
         """Name in reports."""
-        return f"share past x = {self.place:g} m"
+        return f"share past {at_x(self.place)}"
 
 
 Channel = ObservedValues | ObservedCount
@@ -131,15 +132,15 @@ def read_observed(
         raise key["blocks"].error(
             f"must be at least {least}, the blocks observed, but is {released}"
         )
-    if released > MOST_BLOCKS:
-        share = MOST_BLOCKS / released
-        rng = np.random.default_rng((seed, released))
+    if least > MOST_BLOCKS:
+        share = MOST_BLOCKS / least
+        rng = np.random.default_rng((seed, least))
         channels = [_thinned(channel, share, rng) for channel in channels]
         remarks.append(
-            f"{released} blocks were observed; {MOST_BLOCKS} of them, chosen at "
-            "random, are used, so that intervals are those of so many"
+            f"{least} blocks were observed; {MOST_BLOCKS} of them, chosen at random, "
+            "are used, so that intervals are those of so many"
         )
-        released = max(MOST_BLOCKS, *(channel.blocks for channel in channels))
+        released = round(share * released)
     errors, at = typed(key, table, "sigma", dict, {}), key["sigma"]
     check_keys(at, errors, (STOP_COLUMN, *PASSAGE_COLUMNS))
     sigma = {name: number(at[name], of, least=0.0) for name, of in errors.items()}
@@ -164,8 +165,8 @@ def _stops(file: Path, profile: Profile, remarks: list[str]) -> list[ObservedVal
     for line, place in zip(lines, x, strict=True):
         if not profile.x[0] <= place <= profile.x[-1]:
             raise InputError(
-                f"must lie on the profile, x = {profile.x[0]:g} to {profile.x[-1]:g} "
-                f"m, but is {place:g}",
+                f"must lie on the profile, x = {profile.x[0]:.10g} to "
+                f"{profile.x[-1]:.10g} m, but is {place:.10g}",
                 **{"file": file, "row": line, "column": STOP_COLUMN},
             )
     return [ObservedValues(STOP_COLUMN, None, x)]

@@ -94,6 +94,7 @@ class Predicted(NamedTuple):
     barriers: tuple[BarrierEstimates, ...]
     draws: int  # number of grounds, samples of the posterior
     blocks: int  # number of blocks released on each
+    failed: float  # fraction of all these blocks that failed
 
 
 def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predicted:
@@ -123,6 +124,7 @@ def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predict
         barriers=tuple(at_barrier(fit, outcomes, b) for b in fit.barriers),
         draws=len(outcomes),
         blocks=blocks,
+        failed=float(np.mean(outcomes[..., -1])),
     )
 
 
@@ -162,6 +164,8 @@ def _curve(
 ) -> Curve | None:
     """Count exceedances at a place; None where no block comes."""
     values = outcomes[..., column_of(fit.places, x, quantity)]
+    ended = outcomes[..., -1] == 0.0  # the others failed, and are no shares
+    values = np.where(ended, values, np.nan)
     there = np.isfinite(values)
     if not np.any(there):
         return None
@@ -169,7 +173,7 @@ def _curve(
     grid = np.linspace(0.0, np.max(values[there]), 101)
     grounds = [np.sort(row[np.isfinite(row)]) for row in values]
     counts = np.stack([len(g) - np.searchsorted(g, grid, "right") for g in grounds])
-    blocks = np.full(len(values), values.shape[1])
+    blocks = np.sum(ended, axis=1)
     low, high = share_intervals_over_grounds(counts, blocks)
     design = {
         percent: (
@@ -178,7 +182,7 @@ def _curve(
         )
         for percent in (50, 95, 99)
     }
-    share = np.sum(counts, axis=0) / values.size
+    share = np.sum(counts, axis=0) / np.sum(blocks)
     return Curve(x, names, quantity, grid, share, low, high, design)
 
 

@@ -10,9 +10,10 @@ from ...io.files import write_text
 from ...io.output_files import NewFile
 from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
-from ...reports.tables import Table, interval_text, number_text
+from ...reports.tables import Table, interval_text, number_text, place_text
 from ..study.barriers import (
     NOTE,
+    at_x,
     barriers_in_json,
     design_table,
     effect_table,
@@ -133,6 +134,12 @@ def warnings_of(result: SlopeCalibration) -> list[str]:
             f"{check.deviation:.3g} standard deviations from what the fitted ground "
             "predicts. Check releases, blocks and data; do not rely on the intervals."
         )
+    if failed := result.predicted.failed:
+        lines.append(
+            f"{100.0 * failed:.2g} % of the blocks failed on the fitted ground: they "
+            "are in no estimate, but the fit takes them for blocks that passed and did "
+            "not stop. Look for a law or a table that does not reach so far."
+        )
     for p in fitted:
         name = p.parameter.name
         if not p.determined:
@@ -188,10 +195,13 @@ def _channels(result: SlopeCalibration) -> Table:
     for prediction in result.predicted.channels:
         channel = prediction.channel
         first = (channel.words + ", held out" * channel.held_out, channel.blocks)
+        # A coordinate, which may be one of a national grid.
+        write = place_text if channel.place is None else number_text
         for percent, observed, low, middle, high in prediction.percentiles():
             inside = "inside" if low <= observed <= high else "outside"
-            interval = interval_text(low, high)
-            rows.append((*first, f"{percent} %", observed, middle, interval, inside))
+            interval = interval_text(low, high, write)
+            cells = write(observed), write(middle), interval, inside
+            rows.append((*first, f"{percent} %", *cells))
             first = ("", "")
     for channel in result.fit.observed.channels:
         if isinstance(channel, ObservedCount):
@@ -224,13 +234,13 @@ def _curves(result: SlopeCalibration) -> list[Part]:
         return []
     rows, pictures = [], []
     for curve in curves:
-        place = ", ".join((*curve.names, f"x = {curve.place:g} m"))
+        place = ", ".join((*curve.names, at_x(curve.place)))
         cells = [
             f"{number_text(value)} ({interval_text(low, high)})"
             for value, low, high in curve.design.values()
         ]
         rows.append((place, curve.quantity, *cells))
-        words = f"Exceedance of {curve.quantity} at x = {curve.place:g} m"
+        words = f"Exceedance of {curve.quantity} at {at_x(curve.place)}"
         draw = partial(drawing.draw_curve, curve)
         pictures.append(Picture(draw, words, f"{words}: mean, and 95 % interval."))
     heads = (f"{percent} %" for percent in curves[0].design)

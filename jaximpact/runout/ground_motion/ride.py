@@ -125,7 +125,7 @@ def ride(
         stays_on: elements that riders do not leave, -1 for none.
         passed: x in the mirror up to which riders pass over corners and edges in a hop
             that is not followed [m].
-        time_limit: time at which a ride ends, with the element that is passed then [s].
+        time_limit: time at which a ride ends [s].
         width: number of elements to evaluate, from 2.
 
     Returns:
@@ -151,6 +151,11 @@ def ride(
     place = np.where(is_late, np.argmax(late, axis=1), place)
     event = np.where(is_late, Event.time_limit, event)
     done &= columns < (place + ENDS_ON[event])[:, None]
+    if np.any(is_late):
+        rows = np.flatnonzero(is_late)
+        left = time_limit - time[rows, place[rows]]
+        _cut_after(riders, ahead, motion, conditions, rows, place[rows], left)
+        time = _sums(begin.time, np.where(done, conditions.passage.duration, 0.0))
     length = np.where(done, conditions.passage.length, 0.0)
     turn = np.where(riders.rolls[:, None], length / riders.radius[:, None], 0.0)
     turned = _sums(0.0, turn)
@@ -352,6 +357,50 @@ def _cut(
         )
         for array, values in zip(conditions.passage, shorter, strict=True):
             array[rows, columns] = values
+
+
+def _cut_after(
+    riders: Riders,
+    ahead: Ahead,
+    motion: MotionAhead,
+    conditions: Conditions,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    left: np.ndarray,
+) -> None:
+    """Let elements end after some time [s], at the acceleration along the path that
+    `Pieces` have."""
+    at = rows, columns
+    length, duration, speed = (array[at] for array in conditions.passage)
+    left = np.clip(left, 0.0, duration)
+    whole = np.where(np.isfinite(duration) & (duration > 0.0), duration, 1.0)
+    bend = 2.0 * (length - speed * whole) / whole**2
+    # One that comes to rest takes for ever.
+    rests = ~np.isfinite(duration)
+    slows = -0.5 * speed**2 / np.where(length > 0.0, length, 1.0)
+    bend = np.where(rests, slows, bend)
+    moves = np.where(
+        bend < 0.0, np.minimum(left, speed / -np.minimum(bend, -1e-300)), left
+    )
+    way = np.clip(moves * (speed + 0.5 * moves * bend), 0.0, length)
+    part = way / np.where(length > 0.0, length, 1.0)
+    n_x, n_y = ahead.start_normal_x[at], ahead.start_normal_y[at]
+    to_x, to_y = ahead.stop_normal_x[at], ahead.stop_normal_y[at]
+    turn = part * np.arctan2(n_x * to_y - n_y * to_x, n_x * to_x + n_y * to_y)
+    sin, cos = np.sin(turn), np.cos(turn)
+    new_x, new_y = cos * n_x - sin * n_y, sin * n_x + cos * n_y
+    straight, h = ahead.is_segment[at], riders.radius[rows]
+    along_x = np.where(straight, way * n_y, h * (new_x - n_x))
+    along_y = np.where(straight, -way * n_x, h * (new_y - n_y))
+    ahead.stop_x[at], ahead.stop_y[at] = (
+        ahead.start_x[at] + along_x,
+        ahead.start_y[at] + along_y,
+    )
+    ahead.stop_normal_x[at] = np.where(straight, n_x, new_x)
+    ahead.stop_normal_y[at] = np.where(straight, n_y, new_y)
+    motion.stop_squared[at] = np.maximum(speed + bend * moves, 0.0) ** 2
+    conditions.passage.length[at] = way
+    conditions.passage.duration[at] = left
 
 
 def _slowing(

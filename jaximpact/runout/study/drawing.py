@@ -104,7 +104,10 @@ def draw_stops(dataset: xr.Dataset) -> Figure:
     figure, (axes,) = panels(height=3.4, title=f"{plain(dataset.title)}: {endings}")
     places = stops_of(dataset)
     if len(places):
-        axes.hist(places, bins=min(60, max(10, len(places) // 20)), color=BLUE)
+        # Stops in one place, but for rounding, leave no room for bins.
+        ends = places.min(), max(places.max(), places.min() + 1e-3)
+        bins = min(60, max(10, len(places) // 20))
+        axes.hist(places, bins=bins, range=ends, color=BLUE)
         for percentile, colour in ((50, ORANGE), (95, VERMILION)):
             x = np.percentile(places, percentile)
             label = f"{percentile} % of them by {place_text(x)} m"

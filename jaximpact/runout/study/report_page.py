@@ -172,12 +172,15 @@ def _summary(
     lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {counts}."]
     stopped = stops_of(dataset)
     if len(stopped):
-        ends = percentile_interval(stopped, 95)
+        left = _run_left(dataset)
+        percent, word = (5, "beyond") if left else (95, "before")
+        ends = percentile_interval(stopped, percent)
         lines.append(
-            f"95 % of those that stopped did so before x = "
-            f"{place_text(np.percentile(stopped, 95))} m (95 % interval: "
-            f"{interval_text(*ends, place_text)}{_stop_beside(dataset, ends)}), the "
-            f"farthest at {place_text(stopped.max())} m."
+            f"95 % of those that stopped did so {word} x = "
+            f"{place_text(np.percentile(stopped, percent))} m (95 % interval: "
+            f"{interval_text(*ends, place_text)}{_stop_beside(dataset, ends, percent)})"
+            f", the farthest at {place_text(stopped.min() if left else stopped.max())} "
+            "m."
         )
     others = estimates_beside(other, at_barriers)
     for (barrier, by_name), beside in zip(at_barriers, others, strict=True):
@@ -197,15 +200,22 @@ def _counts_at(by_name: Mapping[str, Estimate]) -> str:
     return f"{arrive} blocks arrive, {over} pass over, and {broken} break"
 
 
-def _stop_beside(dataset: xr.Dataset, ends: tuple[float, float]) -> str:
-    """Write the 95 % value of stops of the second run, to stand in brackets."""
+def _run_left(dataset: xr.Dataset) -> bool:
+    """Tell whether most blocks that stopped did so to the left of their release."""
+    stopped = dataset.ending.values == str(Ending.stopped)
+    way = (dataset.x_m.values - dataset.release_x_m.values)[stopped]
+    return bool(len(way) and np.median(way) < 0.0)
+
+
+def _stop_beside(dataset: xr.Dataset, ends: tuple[float, float], percent: int) -> str:
+    """Write a percentile of stops of the second run, to stand in brackets."""
     second = second_of(dataset)
     stopped = stops_of(second[1]) if second else np.zeros(0)
     if second is None or not len(stopped):
         return ""
-    other = percentile_interval(stopped, 95)
+    other = percentile_interval(stopped, percent)
     marked = f", {DIFFERS}" if is_apart(ends, other) else ""
-    value = f"{place_text(np.percentile(stopped, 95))} m, "
+    value = f"{place_text(np.percentile(stopped, percent))} m, "
     value += interval_text(*other, place_text)
     return f"; by {second[0]}: {value}{marked}"
 
@@ -227,12 +237,18 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         "nothing where blocks are combinations of lists.",
         "The motion is plane: blocks neither leave the profile sideways nor break.",
     ]
-    varied = any(ROLLING_COLUMN in name for name in study.inputs.ground_samples)
+    varied = ROLLING_COLUMN in study.inputs.random_ground
     angles = study.profile.rolling_friction_angle
     if np.all(angles == ROLLING_FRICTION_ANGLE) and not varied:
         lines.append(
             "The angle of rolling friction is its default, 20°: an assumption, unless "
             "it was measured."
+        )
+    if _run_left(dataset):
+        lines.append(
+            "Blocks run to the left. Percentiles of x in tables and drawings are "
+            "counted from the left, so that the 5 % value, and not that of 95 %, lies "
+            "far down the slope: mirror the profile to have it as usual."
         )
     failed = endings.get(str(Ending.failed), 0)
     if failed:
