@@ -35,8 +35,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._safe import TINY
 from ...scene import GRAVITY
 from ..centre_path import LEFT_BEHIND, Ahead, CentrePath, in_small_turns
+from ..libm import arctan2, cos, sin
 from ..trajectory import MotionMode, Pieces
 from .conditions import (
     Bend,
@@ -372,33 +374,33 @@ def _cut_after(
     `Pieces` have."""
     at = rows, columns
     length, duration, speed = (array[at] for array in conditions.passage)
-    left = np.clip(left, 0.0, duration)
-    whole = np.where(np.isfinite(duration) & (duration > 0.0), duration, 1.0)
-    bend = 2.0 * (length - speed * whole) / whole**2
     # One that comes to rest takes for ever.
-    rests = ~np.isfinite(duration)
-    slows = -0.5 * speed**2 / np.where(length > 0.0, length, 1.0)
-    bend = np.where(rests, slows, bend)
-    moves = np.where(
-        bend < 0.0, np.minimum(left, speed / -np.minimum(bend, -1e-300)), left
+    ends = np.isfinite(duration) & (duration > 0.0)
+    whole = np.where(ends, duration, 1.0)
+    acceleration = np.where(
+        ends,
+        2.0 * (length - speed * whole) / whole**2,
+        -0.5 * speed**2 / np.maximum(length, TINY),
     )
-    way = np.clip(moves * (speed + 0.5 * moves * bend), 0.0, length)
-    part = way / np.where(length > 0.0, length, 1.0)
+    rest = np.where(acceleration < 0.0, speed / np.maximum(-acceleration, TINY), np.inf)
+    left = np.clip(left, 0.0, duration)
+    moves = np.minimum(left, rest)
+    way = np.clip(moves * (speed + 0.5 * moves * acceleration), 0.0, length)
+    part = way / np.maximum(length, TINY)
     n_x, n_y = ahead.start_normal_x[at], ahead.start_normal_y[at]
     to_x, to_y = ahead.stop_normal_x[at], ahead.stop_normal_y[at]
-    turn = part * np.arctan2(n_x * to_y - n_y * to_x, n_x * to_x + n_y * to_y)
-    sin, cos = np.sin(turn), np.cos(turn)
-    new_x, new_y = cos * n_x - sin * n_y, sin * n_x + cos * n_y
+    turn = part * arctan2(n_x * to_y - n_y * to_x, n_x * to_x + n_y * to_y)
+    sin_turn, cos_turn = sin(turn), cos(turn)
+    new_x, new_y = cos_turn * n_x - sin_turn * n_y, sin_turn * n_x + cos_turn * n_y
     straight, h = ahead.is_segment[at], riders.radius[rows]
     along_x = np.where(straight, way * n_y, h * (new_x - n_x))
     along_y = np.where(straight, -way * n_x, h * (new_y - n_y))
-    ahead.stop_x[at], ahead.stop_y[at] = (
-        ahead.start_x[at] + along_x,
-        ahead.start_y[at] + along_y,
-    )
+    ahead.stop_x[at] = ahead.start_x[at] + along_x
+    ahead.stop_y[at] = ahead.start_y[at] + along_y
     ahead.stop_normal_x[at] = np.where(straight, n_x, new_x)
     ahead.stop_normal_y[at] = np.where(straight, n_y, new_y)
-    motion.stop_squared[at] = np.maximum(speed + bend * moves, 0.0) ** 2
+    stop = np.maximum(speed + acceleration * moves, 0.0)
+    motion.stop_squared[at] = stop**2
     conditions.passage.length[at] = way
     conditions.passage.duration[at] = left
 
