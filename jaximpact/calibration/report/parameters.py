@@ -14,6 +14,7 @@ from ..diagnostics.posterior import Draws
 from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.uncertainty import USELESS_ERROR
+from ..problem.noise import LOSSES
 
 NEARLY_NORMAL = 0.7
 """Effective sample size, as a fraction, above which the posterior is nearly normal."""
@@ -225,6 +226,11 @@ def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> st
             " The draws take the estimated scatter of a target as constant, or as a "
             "constant fraction of the value; standard errors from many measurements do "
             "not."
+        )
+    if result.study.loss != LOSSES[0] or np.any(result.study.weights != 1.0):
+        words += (
+            " Weights of targets, or the loss, make draws scatter otherwise than the "
+            "fit: they are moved to the covariance of the standard errors."
         )
     return f"{words} {_accuracy(draws)}"
 
