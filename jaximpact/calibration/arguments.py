@@ -90,7 +90,7 @@ def _given_columns(tests: Any, known: tuple[str, ...]) -> dict[str, np.ndarray]:
             "tests must be the path of a table, or columns by name, but are of type "
             f"{type(tests).__name__}"
         )
-    if hasattr(tests, "reset_index"):
+    if hasattr(getattr(tests, "index", None), "names"):  # that of a data frame
         index = [name for name in tests.index.names if name in known]
         twice = [name for name in index if name in names]
         tests = tests if twice else tests.reset_index(index)

@@ -27,6 +27,7 @@ from .comparison.contenders import Law
 from .comparison.fitted_law import LawPrediction, predict_law
 from .diagnostics.predictive import Predictive
 from .diagnostics.uncertainty import CONFIDENCE
+from .prediction import check_laws, check_not_fitted
 from .problem.dataset import Measurements, joined_tables
 from .problem.laws import scene_of
 from .problem.nuisance import entries_of, open_nuisances
@@ -97,11 +98,15 @@ class StackedPrediction(NamedTuple):
 def predict_stacked(compared: Compared, tests: Measurements) -> StackedPrediction:
     """Predict tests with every law, and with all of them by their weights."""
     study = compared.study
-    shape = len(tests), len(study.targets)
+    path, shape = tests.files[0].path, (len(tests), len(study.targets))
+    check_laws(study.parts, tests, path)
+    more = [name for law in compared.laws for name in law.contender.more]
+    fitted = [one.name for one in (*study.parameters, *study.tied)]
+    check_not_fitted((*fitted, *more), tests, path)
     tests = tests.with_inputs(study.block)
     new = dataclasses.replace(
         study,
-        path=tests.files[0].path,
+        path=path,
         tests=tests,
         nuisances=open_nuisances(
             entries_of(study.nuisances, study.tests), tests, study.soil

@@ -12,6 +12,7 @@ A nuisance parameter of a group that the fit knows has the fit's values; that of
 group is sampled from its prior, once for each group and draw.
 """
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from ..accuracy import PRESETS
 from ..errors import InputError
 from ..identity import name_of
 from ..impact.events import Outcome
+from ..parameters import Part
 from ..progress import tell, within
 from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE
@@ -146,15 +148,9 @@ def predict_tests(
 def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     """Make a study of new tests with the parameters of a fit; it is not fitted."""
     path = tests.files[0].path
-    _check_laws(ground, tests, path)
+    check_laws(ground.parts, tests, path)
     tests = tests.with_inputs(ground.block)
-    for parameter in (*ground.parameters, *ground.tied):
-        if parameter.name in tests.inputs:
-            raise InputError(
-                "was fitted, and cannot be given with the tests; remove it",
-                file=path,
-                column=parameter.name,
-            )
+    check_not_fitted((p.name for p in (*ground.parameters, *ground.tied)), tests, path)
     targets = (*ground.targets, *(n for n in tests.measured if n not in ground.targets))
     nothing = np.full(len(tests), np.nan)
     measured = [tests.measured.get(name, nothing) for name in targets]
@@ -186,9 +182,20 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     )
 
 
-def _check_laws(ground: FittedGround, tests: Measurements, path: Path) -> None:
-    """Raise InputError where the tests name another law than the fit's."""
-    for slot, law in ground.parts.items():
+def check_not_fitted(names: Iterable[str], tests: Measurements, path: Path) -> None:
+    """Raise InputError where tests state what was fitted."""
+    for name in names:
+        if name in tests.inputs:
+            raise InputError(
+                "was fitted, and cannot be given with the tests; remove it",
+                file=path,
+                column=name,
+            )
+
+
+def check_laws(parts: Mapping[str, Part], tests: Measurements, path: Path) -> None:
+    """Raise InputError where the tests name another law than those of the fit."""
+    for slot, law in parts.items():
         named = tests.parts.get(slot, law)
         if slot != SHAPE and name_of(type(named)) != name_of(type(law)):
             raise InputError(

@@ -214,23 +214,27 @@ def test_scatter_as_the_fit_states_it():
 LINE = np.stack([np.ones(6), np.linspace(-1.0, 1.0, 6)], axis=1)
 
 
-def linear():
+def linear(**more):
     """A line fitted to six measurements, its scatter estimated."""
     noise = 0.05 * np.random.default_rng(3).normal(size=6)
     measured = LINE @ [0.2, 0.3] + noise
     bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
     parameters = {"c_v": bounds, "gamma_v": bounds}
-    study = study_of_columns({"e_n": measured}, parameters=parameters)
+    study = study_of_columns({"e_n": measured}, parameters=parameters, **more)
     return fitted(Linear(study, matrix=LINE), np.zeros(2))
 
 
-def test_draws_with_the_scale_left_open_are_students():
-    """Of a linear model with four degrees of freedom, exactly."""
-    objective, best = linear()
+@pytest.mark.parametrize("weight", [1.0, 0.3, 4.0])
+def test_draws_with_the_scale_left_open_are_students(weight):
+    """Of a linear model with four degrees of freedom, exactly; whatever the weight of
+    its one target, which changes nothing."""
+    objective, best = linear(weights={"e_n": weight})
     uncertainty = estimate(objective, best.points)
     assert freedom_of_targets(objective, best.points)[0] == pytest.approx(4.0)
     draws = draw(objective, best.points, 1.0, count=40_000)
     weights = weights_of(objective, best.points, draws)
+    matrix = stretch(objective, best.points, 1.0)
+    draws = stretched(draws, objective, best.points, matrix)
     for place in range(2):
         apart = (draws.x[:, place] - best.points.x[0, place]) / (
             uncertainty.standard_errors[place]

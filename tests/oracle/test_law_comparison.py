@@ -28,6 +28,7 @@ from jaximpact import (
 from jaximpact.calibration import compare, read_study
 from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.compare_laws import Comparison
+from jaximpact.calibration.comparison import held_out as held_out_module
 from jaximpact.calibration.comparison.comparison import (
     Compared,
     GroupScores,
@@ -39,6 +40,7 @@ from jaximpact.calibration.comparison.fitted_law import (
     fit_law,
     law_of_json,
     objective_of,
+    of_targets,
     predict_law,
 )
 from jaximpact.calibration.comparison.held_out import held_out, log_densities
@@ -591,6 +593,72 @@ def test_points_of_a_curve_are_one_test(tmp_path):
     _, names, group = _all_groups(study, [])[0]
     assert names == ("row 2", "row 3")
     np.testing.assert_array_equal(group, [-1, -1, 0, 0, 0, 1, 1, 1])
+
+
+@pytest.mark.parametrize("jumping", [False, True])
+def test_points_of_a_curve_beyond_a_jump_belong_to_one_draw(monkeypatch, jumping):
+    """Their density is the mean over draws of their product, at the first of them, and
+    not the product of their means."""
+    count, sigma = 14, 0.1
+    matrix, measured, linear, points = fitted_linear_model(count, sigma)
+    group = np.minimum(np.arange(count), 11)
+    kind = type(linear.study.tests)
+    monkeypatch.setattr(kind, "first_of_row", property(lambda tests: group))
+    monkeypatch.setattr(held_out_module, "DRAWS", 20_000)
+    jumps = held_out_module._jumps
+    monkeypatch.setattr(
+        held_out_module, "_jumps", lambda *a: jumps(*a) | (jumping & (len(a[2]) == 3))
+    )
+    found = held_out(
+        *(linear, points, estimate(linear, points), group),
+        exact=True,
+        sets=np.ones((1, 1), bool),
+    )
+    left = group == 11
+    inverse = np.linalg.inv(matrix[~left].T @ matrix[~left])
+    apart = measured[left] - matrix[left] @ inverse @ matrix[~left].T @ measured[~left]
+    covariance = matrix[left] @ inverse @ matrix[left].T + np.eye(3)
+    if not jumping:
+        covariance = np.diag(np.diag(covariance))
+    normal = stats.multivariate_normal(np.zeros(3), sigma**2 * covariance)
+    # 20 000 draws, of which a tenth count.
+    assert found.density[0, 11] == pytest.approx(normal.logpdf(apart), abs=0.06)
+    np.testing.assert_array_equal(found.density[0, 12:], 0.0)
+
+
+def test_groups_of_numbers_are_those_of_all_laws():
+    """Also of a law of rebound, which predicts only a part of the targets."""
+    speeds = np.linspace(5.0, 20.0, 15)
+    e_n = np.where(np.arange(15) % 3, 0.3, np.nan)
+    tests = {"speed_mps": speeds, "max_sinking_m": 0.1 * speeds, "e_n": e_n}
+    study = study_of_columns(tests)
+    _, names, group = _all_groups(study, "speed_mps")[1]
+    _, others, part = _all_groups(of_targets(study, ("e_n",)), "speed_mps")[1]
+    assert len(names) == 5
+    assert names == others
+    measured = np.isfinite(e_n)
+    np.testing.assert_array_equal(part[measured], group[measured])
+
+
+def test_tests_of_another_ground_are_not_predicted():
+    tests = made_by(ConstantCoefficients(0.4, 0.8))
+    found = compare(tests, ["model", "constant coefficients"], fit=["c_v"])
+    new = {"speed_mps": [10.0], "angle_deg": [30.0]}
+    with pytest.raises(InputError, match="is FluidityRate, but the fit was made with"):
+        found.predict(new | {"flow": ["FluidityRate"]})
+    with pytest.raises(InputError, match="c_v: was fitted, and cannot be given"):
+        found.predict(new | {"c_v": [0.5]})
+
+
+def test_what_is_not_predicted_without_its_test_has_no_error():
+    tests = made_by(ConstantCoefficients(0.4, 0.8), count=8)
+    tests["e_t"] = np.where(np.arange(8) == 3, tests["e_t"], np.nan)
+    found = compare(tests, ["constant coefficients"])
+    (law,) = found.compared.laws
+    e_t = found.compared.study.targets.index("e_t")
+    assert np.isnan(law.rms_left_out[e_t])
+    assert np.isfinite(law.rms_left_out[1 - e_t])
+    assert "nan" not in str(found)
 
 
 def test_groups_of_numbers_that_are_close():

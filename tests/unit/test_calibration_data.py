@@ -173,6 +173,17 @@ def test_limits_do_not_set_scale_and_kind_of_scatter():
     np.testing.assert_allclose(alone.scale, np.sqrt(0.125))
 
 
+def test_limits_in_the_file_of_a_curve_are_limits(tmp_path):
+    """As those of a sensor that clips are."""
+    curve = "time_s,normal_force_N\n0.001,2e4\n0.002,>4e4\n0.004,3e4\n"
+    (tmp_path / "a.csv").write_text(curve)
+    (tmp_path / "tests.csv").write_text("force_curve,speed_mps,e_n\na.csv,5,<0.3\n")
+    study = read_study(tmp_path / "tests.csv")
+    force = study.targets.index("normal_force_N")
+    np.testing.assert_array_equal(study.censored[:, force], [0, 0, 1, 0])
+    np.testing.assert_array_equal(study.censored[:, 1 - force], [-1, 0, 0, 0])
+
+
 @pytest.mark.slow
 def test_twin_of_two_slopes_that_nobody_measured(predicted):
     """Soil and both slopes from noise-free targets. The prior, one of 10 degrees about

@@ -1,5 +1,7 @@
 """Intervals of parameters whose sigmas are estimated, of linear models by hand."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from calibration_studies import study_of_columns
@@ -61,6 +63,18 @@ def test_the_weights_of_two_targets_are_estimated():
     assert found.profile_scale[0] == pytest.approx(larger)
     effective = 1.0 / np.sum(part**2 / freedom)
     assert found.quantile[0] == pytest.approx(student.ppf(0.975, effective))
+
+
+def test_a_common_weight_of_the_targets_changes_no_error():
+    """Of a mean of two targets, whose weights by their sigmas are estimated."""
+    counts, found = np.array([5, 8]), []
+    for weight in (0.05, 1.0, 50.0):
+        objective, point = two_targets(counts, np.array([[1.0, 0.0], [1.0, 0.0]]))
+        weights = np.full(2, weight)
+        study = dataclasses.replace(objective.study, weights=weights)
+        objective = objective._changed(study=study)
+        found.append(estimate(objective, objective.reevaluate(point)).covariance[0, 0])
+    np.testing.assert_allclose(found, found[1], rtol=1e-9)
 
 
 def test_degrees_of_freedom_of_scatter_that_differs_from_test_to_test():

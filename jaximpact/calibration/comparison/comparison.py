@@ -49,7 +49,8 @@ class ScoredLaw(NamedTuple):
     rms: np.ndarray
     """Root mean square residual of the fit to all, shape (targets,)."""
     rms_left_out: np.ndarray
-    """Root mean square error of predictions without the test, shape (targets,)."""
+    """Root mean square error of predictions without the test, shape (targets,); NaN
+    where there is no such prediction."""
     left_out: HeldOut
     """Predictions of each test by the fit to the others."""
     acts: tuple[bool, ...]
@@ -331,7 +332,9 @@ def _scored(one: LawLeftOut, study: Study, named: int) -> ScoredLaw:
         squares = np.where(there, (predicted - study.measured) ** 2, 0.0)
         # By rows: NumPy adds a single column in another order than one of several.
         sums = np.sum(np.ascontiguousarray(squares.T), axis=1)
-        return np.sqrt(sums / np.maximum(np.sum(there, axis=0), 1))
+        count = np.sum(there, axis=0)
+        mean = sums / np.maximum(count, 1)
+        return np.where(count > 0, np.sqrt(mean), np.nan)
 
     count = one.fit.fitted.parameters
     known = objective.study.known
@@ -373,7 +376,10 @@ def _groups(study: Study, name: str) -> Groups:
     if name in texts:
         labels = texts[name]
     elif name in tests.inputs:
-        labels = _labels_of_numbers(tests.inputs[name], np.any(study.known, axis=1))
+        # Of whatever was measured: the groups are the same for laws that predict all of
+        # it, and for those that predict a part.
+        known = [np.isfinite(values) for values in tests.measured.values()]
+        labels = _labels_of_numbers(tests.inputs[name], np.any(known, axis=0))
     else:
         raise InputError(
             f"by names {name!r}, which is no column of the tests; "

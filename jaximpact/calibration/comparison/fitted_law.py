@@ -63,8 +63,10 @@ class FittedLaw(NamedTuple):
     given."""
     discrepancy: Discrepancy | None
     """Error of the law outside the fitted tests; None where it is unknown."""
-    inflation: float = 1.0
-    """Factor on the squares of given sigmas; 1 in older files, which have none."""
+    given: np.ndarray
+    """Whether each sigma was given, shape (targets,)."""
+    inflation: np.ndarray
+    """Factor on the squares of given sigmas, shape (targets,)."""
 
     def of_targets(self, targets: tuple[str, ...]) -> "FittedLaw":
         """Return the fit as one that predicts some of its targets alone."""
@@ -76,6 +78,8 @@ class FittedLaw(NamedTuple):
             least_size=self.least_size[places],
             freedom=self.freedom[places],
             discrepancy=None if apart is None else apart.of_targets(places),
+            given=self.given[places],
+            inflation=self.inflation[places],
         )
 
     def as_json(self) -> dict:
@@ -87,7 +91,9 @@ class FittedLaw(NamedTuple):
 
 def law_of_json(entry: dict) -> FittedLaw:
     """Make a fit of the numbers of fit.json."""
-    entry = {"discrepancy": None, "inflation": 1.0} | entry  # older files have none
+    # Older files have none of these, or one inflation of all targets.
+    given = [freedom is None for freedom in entry[JSON_NAMES.get("freedom", "freedom")]]
+    entry = {"discrepancy": None, "inflation": 1.0, "given": given} | entry
     fields = {name: entry[JSON_NAMES.get(name, name)] for name in FittedLaw._fields}
     for name in ("unknowns", "targets"):
         fields[name] = tuple(fields[name])
@@ -96,6 +102,9 @@ def law_of_json(entry: dict) -> FittedLaw:
     for name in ("least_size", "freedom"):
         # What is infinite is None in the file.
         fields[name] = np.nan_to_num(fields[name], nan=np.inf, posinf=np.inf)
+    fields["given"] = np.array(fields["given"], bool)
+    count = len(fields["targets"])
+    fields["inflation"] = np.broadcast_to(np.array(fields["inflation"], float), count)
     fields["discrepancy"] = discrepancy_of_json(fields["discrepancy"])
     return FittedLaw(**fields)
 
@@ -167,6 +176,8 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
     relative = relative_sigma(study, objective.sigma, points.predicted[0])
     constant = median_sigma(study, objective.sigma)
     sigma = np.where(study.proportional, relative, constant)
+    too_small = np.isin(study.targets, study.understated)
+    factor = np.median(objective.sigma / study.sigma, axis=0)
     fitted = FittedLaw(
         name=name,
         unknowns=tuple(names_of(study)),
@@ -182,7 +193,8 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
             np.maximum(freedom_of_targets(objective, points), 1.0),
         ),
         discrepancy=estimate_discrepancy(objective, points, uncertainty),
-        inflation=uncertainty.inflation,
+        given=study.sigma_given | too_small,
+        inflation=np.where(too_small, factor**2, uncertainty.inflation),
     )
     return LawFit(objective, points, uncertainty, fitted)
 
@@ -237,9 +249,9 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
     predicted = points.predicted[0]
     variance = variances(points.jacobian[0] / slope, covariance)
     sigma = scale_of(fitted.sigma, fitted.least_size, predicted)
-    for place in np.flatnonzero(np.isinf(fitted.freedom)):
+    for place in np.flatnonzero(fitted.given):
         stated = study.tests.stated_sigma(fitted.targets[place])
-        inflated = stated * np.sqrt(fitted.inflation)
+        inflated = stated * np.sqrt(fitted.inflation[place])
         sigma[:, place] = np.where(np.isfinite(stated), inflated, sigma[:, place])
     deviation, apart = np.sqrt(sigma**2 + variance), np.zeros(predicted.shape)
     of_apart = 1.0

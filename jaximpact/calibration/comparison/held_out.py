@@ -101,7 +101,8 @@ def held_out(
 
 def _predict(fitted: Rest, sets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Compute the deviations of the tests left out, shape (tests left out, targets),
-    and their log densities, shape (sets of targets, tests left out)."""
+    and their log densities, shape (sets of targets, tests left out): that of a curve at
+    the first of its points, and 0 at the others."""
     tests, rest, points, _ = fitted
     study = rest.study
     if not np.all(study.sigma_given):
@@ -131,8 +132,18 @@ def _predict(fitted: Rest, sets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     x = draws_about(rest, points, root_of(covariance), DRAWS)
     draws = rest.of_tests(places).values(x).predicted
     jumps = _jumps(rest, points, places, x, draws) & np.any(known, axis=1)
-    mixture = logsumexp(density(draws, noise), axis=1) - np.log(DRAWS)
-    return deviation, np.where(jumps, mixture, at_best)
+    # Points of a curve are one test, which all of them belong to in one draw.
+    first, of_test = np.unique(study.tests.first_of_row[places], return_inverse=True)
+
+    def by_test(values: np.ndarray) -> np.ndarray:
+        rows = (values[..., of_test == test] for test in range(len(first)))
+        return np.stack([np.sum(of_one, axis=-1) for of_one in rows], axis=-1)
+
+    mixture = logsumexp(by_test(density(draws, noise)), axis=1) - np.log(DRAWS)
+    of_tests = np.where(by_test(1.0 * jumps) > 0.0, mixture, by_test(at_best))
+    at_first = np.zeros_like(at_best)
+    at_first[:, np.unique(of_test, return_index=True)[1]] = of_tests
+    return deviation, at_first
 
 
 def _jumps(

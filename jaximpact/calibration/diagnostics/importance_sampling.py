@@ -254,7 +254,9 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
     """Compute weights of draws with every estimated sigma left uncertain; the sum is 1.
 
     Targets with less than a degree of freedom share one scale, as in the estimate of
-    sigmas. For robust losses the weights are those of the draws.
+    sigmas. Squares count by the weight of their target, and their number does not: so a
+    weight makes the density narrower or wider, and no other. For robust losses the
+    weights are those of the draws.
     """
     study = objective.study
     if study.loss != LOSSES[0]:
@@ -270,10 +272,10 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
         if nu < LEAST_FREEDOM:
             continue  # no scale was estimated
         weight = float(np.mean(study.weights[group]))
-        risen = np.sum(squares[:, group], axis=1) - np.sum(least[group])
+        risen = weight * (np.sum(squares[:, group], axis=1) - np.sum(least[group]))
         part = np.maximum(risen / nu, -1.0 + 1e-9)
         student = 0.5 * np.sum(count[group]) * np.log1p(part)
-        log_weights += weight * (0.5 * risen - student)
+        log_weights += 0.5 * risen - student
     return normalised(log_weights)
 
 

@@ -21,8 +21,10 @@ MacKinnon and White 1985). Of few, V has another term: weights by sigmas that ar
 estimated, of a target k from nu_k degrees of freedom, make a fit scatter more than
 H^-1, and H^-1 too small (Kenward and Roger 1997, Biometrics 53, 983):
 
-$$ \sum_k \frac{4}{\nu_k} (A_k - A_k H^{-1} A_k), \qquad
-   A_k = \sum_{i \text{ of } k} w_i J_i^T J_i. $$
+$$ \sum_k \frac{4 w_k}{\nu_k} (A_k - A_k H^{-1} A_k), \qquad
+   A_k = \sum_{i \text{ of } k} w_k J_i^T J_i, $$
+
+with w_k the weight of the target.
 """
 
 from typing import NamedTuple
@@ -312,7 +314,9 @@ def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:
     term = np.zeros_like(inverse)
     for cells, nu in _scales(objective, points):
         information = rows[cells].T @ rows[cells]
-        term += 4.0 / nu * (information - information @ inverse @ information)
+        weight = np.max(weights_of_cells(objective.study)[cells], initial=0.0)
+        left = information - information @ inverse @ information
+        term += 4.0 * weight / nu * left
     return term
 
 

@@ -329,14 +329,19 @@ def _with_curves(table: SceneTable) -> SceneTable:
     if isinstance(shape, MixedShapes):
         base = with_shapes(base, [shape.kinds[int(shape.index[r])] for r in row_of])
     measured = dict.fromkeys(n for n in names if n in TARGET_COLUMNS)
-    points = np.zeros(sum(sizes), int)
-    signs = {n: table.censored.get(n, np.zeros(count, int)) for n in measured}
+
+    def signs(name: str) -> np.ndarray:
+        of_all = (table, *curves.values())
+        none = (np.zeros(len(one.rows), int) for one in of_all)
+        each = zip(of_all, none, strict=True)
+        return np.concatenate([one.censored.get(name, zeros) for one, zeros in each])
+
     return dataclasses.replace(
         table,
         rows=[table.rows[row] for row in row_of],
         lines=table.lines[row_of],
         numbers={name: column(name) for name in names},
-        censored={n: np.concatenate([of_n, points]) for n, of_n in signs.items()},
+        censored={name: signs(name) for name in measured},
         labels={n: [texts[row] for row in row_of] for n, texts in table.labels.items()},
         base=base,
         beside=tuple({curve.path: curve for curve in curves.values()}.values()),

@@ -174,7 +174,7 @@ def _score_table(compared: Compared) -> Table:
             f"{compared.by_test.totals[place]:.1f}",
             _difference(ranking, place),
             f"{compared.weights[place]:.2f}",
-            *law.rms_left_out,
+            *(None if np.isnan(rms) else rms for rms in law.rms_left_out),
         )
         for place, law in enumerate(compared.laws)
     ]
