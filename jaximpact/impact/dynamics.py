@@ -82,9 +82,9 @@ class Work(NamedTuple):
     dashpot: Scalar
     arm: Scalar
     springs: Scalar
-    """Work on the springs. What they hold beyond it is the work of the change of
-    stiffness, which follows the foundation's size, and at the start what they hold
-    then. Its own rate has a sharp peak where a foundation vanishes under load."""
+    """Work on the springs. What they hold at the start, and what they gain as the
+    foundation's size changes their stiffness, is not in it: the rate of that has a
+    sharp peak where a foundation vanishes under load."""
 
 
 ARM = "arm"
@@ -293,7 +293,14 @@ def contact(
         branch=branch,
     )
     of_springs = forces is None
-    forces = springs if of_springs else forces
+    if forces is None:
+        forces = springs
+    else:
+        # A force without a dashpot is known. Were it to follow the springs, it would
+        # chatter where they relax more quickly than that.
+        dashpots = soil.damping(stiffness, ground.mass, ground.inertia)
+        each = zip(dashpots, forces, springs, strict=True)
+        forces = Forces(*(jnp.where(c > 0.0, force, known) for c, force, known in each))
     normal_before_cut = forces.normal
     # The step that lands on N = 0 has stages just beyond: cut off there, they would
     # leave its value as it is and spoil its derivative.

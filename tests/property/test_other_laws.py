@@ -14,6 +14,7 @@ from other_laws import other_laws
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
 from jaximpact import laws as known
+from jaximpact import shapes as known_shapes
 from jaximpact.impact.events import Margins
 from jaximpact.integrator.summarise import _falls_through
 from jaximpact.laws import Forces
@@ -115,6 +116,66 @@ def test_the_integration_converges_with_every_law(slot, kind, values):
     np.testing.assert_array_equal(coarse.outcome_code, close.outcome_code)
     assert not np.any(coarse.outcome_code == Outcome.failed)
     np.testing.assert_allclose(coarse.e_n, close.e_n, rtol=2e-4, atol=2e-4)
+
+
+@pytest.mark.parametrize(
+    "dashpots",
+    [{"eta_R": 0.1}, {"eta_R": 1e-6}, {"eta_T": 0.1}, {"eta_N": 0.1}],
+    ids=lambda dashpots: "".join(dashpots),
+)
+def test_one_dashpot_alone(dashpots):
+    """What has none is known, and does not follow the springs: it would chatter."""
+    block, impact, numbers = wide_scenes(300, seed=2)
+    results = [
+        simulate(block, Soil(**numbers, **dashpots), impact, accuracy=accuracy)
+        for accuracy in ("balanced", "reference")
+    ]
+    coarse, close = (np.asarray(result.e_n) for result in results)
+    assert not np.any(np.isnan(coarse) | np.isnan(close))
+    # Where forces jump to another state, one in a hundred ends otherwise.
+    assert np.mean(np.abs(coarse - close) > 1e-3 * (1.0 + np.abs(close))) < 0.01
+
+
+def test_a_rocking_dashpot_against_the_independent_integrator():
+    """The e_n of `model_oracle` at a tolerance of 1e-9."""
+    block = Block(mass=89.8799674702231, aspect_ratio=3.3766069694587673)
+    numbers = dict(gamma_v=35.30271269708544, c_v=0.14428063161848484, eta_R=0.1)
+    impact = Impact.from_degrees(
+        *(1.0340160358598818, -33.32015373400228, -179.78303921105467),
+        *(152.61474929710823, -23.726539262685023),
+    )
+    found = simulate(block, Soil(k_E=779.2198065269046, **numbers), impact)
+    assert float(found.e_n) == pytest.approx(-0.09733698, rel=1e-4)
+
+
+def test_the_largest_force_is_no_overshoot_of_a_jump():
+    """Forces with dashpots jump; the rate after that is none of the step."""
+    shape = known_shapes.RectangularPrism(
+        aspect_ratio=3.23658, out_of_plane_ratio=0.42439
+    )
+    impact = Impact.from_degrees(5.01351, -47.7874, -88.8541, 6.67923, 0)
+    soil = Soil(gamma_v=12.5024, c_v=1.80349, k_E=580.07, eta_N=0.1)
+    block = Block(mass=6.85639, shape=shape)
+    largest = [
+        float(simulate(block, soil, impact, accuracy=accuracy).max_normal_force)
+        for accuracy in ("balanced", "reference")
+    ]
+    assert largest[0] == pytest.approx(largest[1], rel=1e-4)
+
+
+def test_no_item_of_the_ledger_exceeds_what_was_supplied():
+    """Powers of a load between two steps may be of any size, and cancel."""
+    block, impact, numbers = wide_scenes(2000, seed=4)
+    flow = known.PowerNucleus(nucleus_exponent=13.0, dilatancy=0.7)
+    result = simulate(block, Soil(flow=flow, **numbers), impact, ledger=True)
+    energy = result.energy
+    supplied = energy.kinetic_in + sum(
+        map(np.abs, (energy.gravity, energy.arm, energy.stiffness))
+    )
+    ended = result.outcome_code != Outcome.failed
+    assert np.mean(ended) > 0.995
+    items = np.abs(np.stack(energy))[:, ended]
+    assert np.all(items <= 2.0 * np.asarray(supplied)[ended])
 
 
 @pytest.mark.parametrize(
