@@ -74,8 +74,6 @@ LOADS = ("elastic_normal", "elastic_tangential", "elastic_rotation", *FORCES)
 """Unknowns that carry the load."""
 
 
-HALVINGS = 8
-"""Halvings of the load at the start of a ground that flows below yield."""
 EARLY, EARLY_TOLERANCE = 0.1, 0.03
 """Penetration by R up to which errors count less, and the most that may be allowed."""
 ALLOWED_MORE = {
@@ -320,6 +318,10 @@ def stiffness_of_block(ground: ImpactConstants) -> Stiffness:
     return ground.soil.elasticity(
         size, ground.unit_weight_normal, ELASTIC_SCALE * radius
     )
+
+
+HALVINGS = 8
+"""Halvings of the load at the start of a ground that flows below yield."""
 
 
 def _relaxed(ground: ImpactConstants, motion: Motion) -> Motion:

@@ -50,6 +50,10 @@ def outcome_code(end: End, normal_force: Scalar, separating: Scalar) -> Scalar:
     return jax.lax.stop_gradient(code)
 
 
+SUPPLIED = 2.0
+"""Factor by which no item of the ledger may exceed all energy supplied."""
+
+
 def _closes(problem: Problem, energy: EnergyLedger | None) -> Scalar:
     """Tell whether the ledger, if there is one, closes to what the accuracy promises.
 
@@ -68,10 +72,6 @@ def _closes(problem: Problem, energy: EnergyLedger | None) -> Scalar:
     )
     closes = jnp.abs(energy.residual) <= promised * largest
     return jax.lax.stop_gradient(closes & (largest <= SUPPLIED * supplied))
-
-
-SUPPLIED = 2.0
-"""Factor by which no item of the ledger may exceed all energy supplied."""
 
 
 def _falls_through(end: End, now: Contact) -> Scalar:

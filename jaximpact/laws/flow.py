@@ -47,8 +47,9 @@ class AbstractFlow(Part):
         """
 
     flows_below_yield: ClassVar[bool] = True
-    """Whether there may be flow below yield: steps of the integration then end there
-    too where it begins to heave, and where hardening has kinks."""
+    """Whether there may be flow below yield. Steps of the integration then end there
+    too where the flow begins to heave and where hardening has kinks, and an impact
+    begins with a load that the flow can follow."""
 
 
 def overstress(

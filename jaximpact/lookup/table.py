@@ -85,7 +85,8 @@ def direction_of(
     closing = impact.normal_velocity + arm * spin
     slip = impact.tangential_velocity - radius * spin
     turning = spin * block.semi_axes.minor
-    # The derivatives of size and angle do not exist there: with slip, and no turning.
+    # Without slip and turning neither size nor angle has a derivative: another slip
+    # stands there, which gives 0.
     still = (slip == 0.0) & (turning == 0.0)
     slip = jnp.where(still, 1.0, slip)
     flat = jnp.where(still, 0.0, jnp.hypot(slip, turning))

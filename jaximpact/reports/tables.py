@@ -79,6 +79,11 @@ def place_text(value: float, digits: int = 4) -> str:
     return f"{value:.1f}".removesuffix(".0")
 
 
+def at_x(x: float) -> str:
+    """Name a place on the slope."""
+    return f"x = {place_text(x, 6)} m"
+
+
 def interval_text(
     low: float, high: float, write: Callable[[float], str] = number_text
 ) -> str:

@@ -49,6 +49,13 @@ FASTEST = 100.0
 the Happy Isles in 1996."""
 
 
+def first_turning_back(x: np.ndarray) -> int | None:
+    """Find the first point from which x does not increase to the next by more than
+    `NARROWEST`, by its index; None where there is none."""
+    back = np.diff(x) <= NARROWEST
+    return int(np.argmax(back)) if np.any(back) else None
+
+
 def problem_with(values: np.ndarray, name: str) -> tuple[int, str] | None:
     """Find the first value that is no coordinate, of x or y of a profile's points [m].
 

@@ -14,7 +14,7 @@ from ..io.scene_table import check_separator, reads_as_number, records_of
 from ..quantities import columns_of_part
 from ..scene import Soil
 from ..scene_quantities import SLOTS
-from .coordinates import NARROWEST, problem_with
+from .coordinates import first_turning_back, problem_with
 from .terrain import ANGLE_COLUMNS, ROLLING_FRICTION_ANGLE, Profile
 
 POINT_COLUMNS = ("x_m", "y_m")
@@ -114,11 +114,11 @@ def read_profile_table(
             raise _error(path, problem, lines[place], name)
         target = fields if name in of_soil else angles
         target[known[name].field] = known[name].factor * values[:-1]
-    back = np.diff(x) <= NARROWEST
     try:
         profile = Profile(x, y, dataclasses.replace(soil, **fields), **angles)
     except ValueError as error:
-        row = lines[int(np.argmax(back)) + 1] if np.any(back) else None
+        back = first_turning_back(x)
+        row = None if back is None else lines[back + 1]
         raise InputError(str(error), file=path, row=row) from None
     return ProfileTable(profile, tuple(numbers), materials)
 

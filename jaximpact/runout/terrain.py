@@ -18,7 +18,7 @@ from ..quantities import InputColumn, columns_of_part
 from ..scene import Soil
 from ..units import DEGREE
 from . import libm
-from .coordinates import NARROWEST, problem_with, warn_of_unusual
+from .coordinates import first_turning_back, problem_with, warn_of_unusual
 from .covers import cover_table
 from .smoothing import smooth_heights
 
@@ -298,9 +298,8 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
         if bad := problem_with(values, name):
             i, problem = bad
             return f"'s {name} of point {i + 1} {problem}"
-    back = np.diff(x) <= NARROWEST
-    if np.any(back):
-        i = int(np.argmax(back))
+    i = first_turning_back(x)
+    if i is not None:
         hint = ""
         if x[i] == x[i + 1]:
             hint = "; a wall needs some width, such as 0.01 m"

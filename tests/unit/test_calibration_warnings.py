@@ -304,8 +304,8 @@ def test_a_prior_that_the_tests_agree_with_is_no_reason(e_n):
 
 def test_draws_that_all_count_do_not_make_a_bound_normal():
     """At a bound the draws are cut off like the posterior, and all count."""
-    plain = {"sigma_given": np.array([True]), "loss": "gaussian"}
-    result = SimpleNamespace(study=SimpleNamespace(**plain, weights=np.ones(1)))
+    plain = SimpleNamespace(sigma_given=np.array([True]), is_likelihood=True)
+    result = SimpleNamespace(study=plain)
     draws = SimpleNamespace(
         x=np.zeros((512, 1)),
         effective_fraction=np.array([0.9]),

@@ -405,10 +405,10 @@ def _labels_of_numbers(values: np.ndarray, measured: np.ndarray) -> list[str]:
     different = np.unique(values[measured])
     if len(different) <= 12:
         return [f"{value:.{digits}g}" for value in values]
-    sixths = np.linspace(0.0, 1.0, 6)
-    edges = np.unique(np.quantile(values[measured], sixths))
+    fifths = np.linspace(0.0, 1.0, 6)
+    edges = np.unique(np.quantile(values[measured], fifths))
     if len(edges) == 2:  # one value in most tests
-        edges = np.quantile(different, sixths)
+        edges = np.quantile(different, fifths)
     place = np.searchsorted(edges, values, side="right") - 1
     place = np.clip(place, 0, len(edges) - 2)
     digits = next(n for n in range(3, 18) if _apart(edges, n))

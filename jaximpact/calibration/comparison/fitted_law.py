@@ -24,7 +24,12 @@ from ..diagnostics.uncertainty import (
     estimate,
     regular_covariance,
 )
-from ..estimation.sigma import freedom_of_targets, median_sigma, relative_sigma
+from ..estimation.sigma import (
+    freedom_of_targets,
+    median_sigma,
+    relative_sigma,
+    sigma_factors,
+)
 from ..problem.config import Study
 from ..problem.fitted_parameters import DEFAULTS, Parameter
 from ..problem.forward_model import models_of
@@ -92,7 +97,7 @@ class FittedLaw(NamedTuple):
 def law_of_json(entry: dict) -> FittedLaw:
     """Make a fit of the numbers of fit.json."""
     # Older files have none of these, or one inflation of all targets.
-    given = [freedom is None for freedom in entry[JSON_NAMES.get("freedom", "freedom")]]
+    given = [freedom is None for freedom in entry[JSON_NAMES["freedom"]]]
     entry = {"discrepancy": None, "inflation": 1.0, "given": given} | entry
     fields = {name: entry[JSON_NAMES.get(name, name)] for name in FittedLaw._fields}
     for name in ("unknowns", "targets"):
@@ -176,8 +181,7 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
     relative = relative_sigma(study, objective.sigma, points.predicted[0])
     constant = median_sigma(study, objective.sigma)
     sigma = np.where(study.proportional, relative, constant)
-    too_small = np.isin(study.targets, study.understated)
-    factor = np.median(objective.sigma / study.sigma, axis=0)
+    factors, s2 = sigma_factors(objective), uncertainty.inflation
     fitted = FittedLaw(
         name=name,
         unknowns=tuple(names_of(study)),
@@ -193,8 +197,10 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
             np.maximum(freedom_of_targets(objective, points), 1.0),
         ),
         discrepancy=estimate_discrepancy(objective, points, uncertainty),
-        given=study.sigma_given | too_small,
-        inflation=np.where(too_small, factor**2, uncertainty.inflation),
+        given=study.sigma_given | np.isin(study.targets, study.understated),
+        inflation=np.array(
+            [factors[n] ** 2 if n in factors else s2 for n in study.targets]
+        ),
     )
     return LawFit(objective, points, uncertainty, fitted)
 

@@ -27,13 +27,11 @@ from scipy.special import bdtr
 from ...progress import tell, within
 from ..estimation.least_squares import Reason, Tolerance, bounded_step
 from ..estimation.search import fit
-from ..estimation.sigma import hat, sizes
+from ..estimation.sigma import LEAST_LEFT, hat, sizes
 from ..problem.objective import Objective, Points
 from .posterior import root_of, variances
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
-LEAST_LEFT = 1e-6
-"""Least 1 - leverage: a measurement of leverage 1 has no residual."""
 AT_MOST = 60
 """Largest number of fits without a test."""
 LEFT_OUT = Tolerance(promise=1e-3, step=1e-4, evaluations=40)
@@ -222,7 +220,6 @@ def _left_out(
 ) -> LeftOut:
     study = objective.study
     predicted, deviation = np.full((2, *study.measured.shape), np.nan)
-    alone = measured_alone(objective, points, group)
     of_whole = sizes(study, points.predicted[0])
     ends, reasons = [], []
     for tests, rest, best, reason in rests:
@@ -234,7 +231,7 @@ def _left_out(
         deviation[tests] = np.sqrt(scatter[tests] + variance)
         ends.append(best.x[0])
         reasons.append(reason)
-    predicted[alone] = np.nan
+    predicted[measured_alone(objective, points, group)] = np.nan
     x, errors = np.array(ends), uncertainty.standard_errors
     moved = (x - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
     quantile = uncertainty.quantile_of_all

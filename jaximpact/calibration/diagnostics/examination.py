@@ -10,7 +10,13 @@ from ...progress import Progress, ProgressFunction, reporting_to, tell, within
 from ...quantities import CURVE_COLUMNS, TIME_COLUMN
 from ...scene import GRAVITY
 from ..estimation.evolution import AGREED
-from ..estimation.sigma import IMPROBABLE, LEAST_FREEDOM, LEAST_PART, median_sigma
+from ..estimation.sigma import (
+    IMPROBABLE,
+    LEAST_FREEDOM,
+    LEAST_PART,
+    median_sigma,
+    sigma_factors,
+)
 from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
 from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
@@ -218,14 +224,6 @@ def warnings_of(
     return lines
 
 
-def sigma_factors(variant: VariantResult) -> dict[str, float]:
-    """Compute the factors on given sigmas that the fit found too small beside estimated
-    ones, by target."""
-    study = variant.objective.study
-    ratio = np.median(variant.sigma / study.sigma, axis=0)
-    return {n: float(ratio[study.targets.index(n)]) for n in study.understated}
-
-
 def limits_alone(study: Study) -> np.ndarray:
     """Find the targets whose sigma is not given and of which only limits are known,
     shape (targets,)."""
@@ -249,7 +247,7 @@ def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
             f"multiplied by {np.sqrt(uncertainty.inflation):.3g}, which is right only "
             "if the misfit is random."
         )
-    for name, factor in sigma_factors(variant).items():
+    for name, factor in sigma_factors(variant.objective).items():
         lines.append(
             f"The misfit of {name} is larger than its given sigmas allow. They are "
             f"multiplied by {factor:.3g}, which is right only if the misfit is random."

@@ -22,10 +22,9 @@ import numpy as np
 from scipy.special import bdtr, ndtr, ndtri, stdtr
 
 from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS
-from ..estimation.sigma import LEAST_PART, freedom_of_targets
+from ..estimation.sigma import LEAST_LEFT, LEAST_PART, freedom_of_targets
 from ..problem.config import Study
 from ..problem.objective import Objective, Points
-from .cross_validation import LEAST_LEFT
 from .uncertainty import leverages
 
 FEWEST = 8

@@ -259,20 +259,15 @@ def stretch(
     matrix than V, the variance of its gradient (Ribatet, Cooley and Davison 2012,
     Statistica Sinica 22, 813). None where they are equal but for estimated sigmas.
     """
-    study = objective.study
-    if study.loss == LOSSES[0] and np.all(study.weights == 1.0):
+    if objective.study.is_likelihood:
         return None
-    rows, used, u = standardised_rows(objective, points)
-    exact = used & (study.censored.ravel() == 0)
-    of = losses(u, study.censored.ravel(), study.loss)
-    freedom = float(np.sum(freedom_of_targets(objective, points)))
-    h, v = _of_loss(study, of, u, exact, freedom)
-    weights = np.where(used, weights_of_cells(study), 0.0)
+    terms = _terms(objective, points)
     own = objective.prior_information(points.x[0]) + bounds_information(objective)
-    root = np.linalg.cholesky(
-        (rows.T * (weights * h)) @ rows / inflation + np.diag(own)
+    curvature, variance = (
+        part / inflation + np.diag(own)
+        for part in (terms.curvature, terms.variance(terms.v))
     )
-    variance = (rows.T * (weights**2 * v)) @ rows / inflation + np.diag(own)
+    root = np.linalg.cholesky(curvature)
     inner = np.linalg.solve(root, np.linalg.solve(root, variance).T)
     values, vectors = np.linalg.eigh(0.5 * (inner + inner.T))
     inner = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
@@ -286,26 +281,59 @@ def bounds_information(objective: Objective) -> np.ndarray:
     return np.where(np.isinf(objective.prior_sd), 12.0 / width**2, 0.0)
 
 
-def _parts(objective: Objective, points: Points):
-    """Compute the parts of the tests in H and, before inflation, in V, the part P of
-    the priors, the chi-square of the exact residuals, and the degrees of freedom."""
+class _Terms(NamedTuple):
+    """What H and V are made of, cell by cell."""
+
+    rows: np.ndarray
+    """Jacobian over sigma, shape (cells, unknowns)."""
+    weights: np.ndarray
+    """Weights, shape (cells,); 0 of cells that are not used."""
+    h: np.ndarray
+    v: np.ndarray
+    """h and v of the loss, shape (cells,)."""
+    of: Losses
+    u: np.ndarray
+    """Residuals over sigma, shape (cells,)."""
+    exact: np.ndarray
+    """Mask of the exact measurements, shape (cells,)."""
+    leverage: np.ndarray
+    freedom: float
+    """Degrees of freedom."""
+
+    @property
+    def curvature(self) -> np.ndarray:
+        """Part of the tests in H."""
+        return (self.rows.T * (self.weights * self.h)) @ self.rows
+
+    def variance(self, v: np.ndarray) -> np.ndarray:
+        """Compute the part of the tests in V, with v of each cell."""
+        return (self.rows.T * (self.weights**2 * v)) @ self.rows
+
+
+def _terms(objective: Objective, points: Points) -> _Terms:
     study = objective.study
     rows, used, u = standardised_rows(objective, points)
     exact = used & (study.censored.ravel() == 0)
-    prior = np.diag(objective.prior_information(points.x[0]))
     leverage = leverages(objective, points).ravel()
     freedom = float(np.sum(exact) - np.sum(leverage[exact]))
     of = losses(u, study.censored.ravel(), study.loss)
     h, v = _of_loss(study, of, u, exact, freedom)
     weights = np.where(used, weights_of_cells(study), 0.0)
-    curvature = (rows.T * (weights * h)) @ rows
-    if freedom >= MANY:
-        v = _of_each_test(study, of, v, exact, leverage)
-    variance = (rows.T * (weights**2 * v)) @ rows
-    if freedom < MANY:
+    return _Terms(rows, weights, h, v, of, u, exact, leverage, freedom)
+
+
+def _parts(objective: Objective, points: Points):
+    """Compute the parts of the tests in H and, before inflation, in V, the part P of
+    the priors, the chi-square of the exact residuals, and the degrees of freedom."""
+    study, terms = objective.study, _terms(objective, points)
+    prior = np.diag(objective.prior_information(points.x[0]))
+    v = _of_each_test(study, terms) if terms.freedom >= MANY else terms.v
+    variance = terms.variance(v)
+    if terms.freedom < MANY:
         variance += _of_estimated_weights(objective, points)
-    chi_square = np.sum((u * of.slope)[exact]) / scale_of_normal(study.loss)
-    return curvature, variance, prior, float(chi_square), freedom
+    works = (terms.u * terms.of.slope)[terms.exact]
+    chi_square = float(np.sum(works) / scale_of_normal(study.loss))
+    return terms.curvature, variance, prior, chi_square, terms.freedom
 
 
 def _of_estimated_weights(objective: Objective, points: Points) -> np.ndarray:
@@ -335,16 +363,15 @@ def _of_loss(
     return h, np.where(exact, mean_square, of.curvature)
 
 
-def _of_each_test(
-    study: Study, of: Losses, v: np.ndarray, exact: np.ndarray, leverage: np.ndarray
-) -> np.ndarray:
-    """Replace v of the loss by that of each measurement, where sigma is estimated."""
-    of_each = of.slope**2 / np.maximum(1.0 - leverage, LEAST_LEFT)
-    v, mean_square = v.copy(), np.max(v[exact], initial=0.0)
+def _of_each_test(study: Study, terms: _Terms) -> np.ndarray:
+    """Compute v of each measurement, where sigma is estimated, in place of that of the
+    loss, shape (cells,)."""
+    of_each = terms.of.slope**2 / np.maximum(1.0 - terms.leverage, LEAST_LEFT)
+    v, mean_square = terms.v.copy(), np.max(terms.v[terms.exact], initial=0.0)
     for target in np.flatnonzero(~study.sigma_given):
         cells = np.zeros(study.known.shape, bool)
         cells[:, target] = True
-        cells = cells.ravel() & exact
+        cells = cells.ravel() & terms.exact
         # The mean square is smaller only where sigma is at its lower limit.
         mean = max(np.mean(of_each[cells]), 1e-300) if np.any(cells) else 1.0
         v[cells] = of_each[cells] * max(1.0, mean_square / mean)

@@ -35,6 +35,8 @@ LEAST_PART = 1e-3
 """Sigma over the root mean square of a target, or over its size where scatter is
 proportional, below which no sigma is estimated: nothing is measured better, and targets
 without noise would give 0."""
+LEAST_LEFT = 1e-6
+"""Least 1 - leverage: a measurement of leverage 1 has no residual."""
 LEAST_FREEDOM = 0.99
 """Degrees of freedom that a target needs for a sigma of its own: one, to rounding."""
 IMPROBABLE = 0.01
@@ -152,12 +154,7 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
     r = relative_sigma(study, objective.sigma, predicted)
     sigma = np.where(study.proportional, r * sizes(study, predicted), objective.sigma)
     objective = objective.with_sigma(sigma.copy())
-    used = study.known & np.isfinite(predicted)
-    u = np.where(used, (predicted - study.measured) / sigma, 0.0)
-    work = np.where(used, u * losses(u, study.censored, study.loss).slope, 0.0)
-    exact = used & study.exact
-    of_exact = np.sum(np.where(exact, work, 0.0), axis=0)
-    of_limits = np.sum(np.where(exact, 0.0, work), axis=0)
+    of_exact, of_limits = _misfits(objective, points)
     freedom = freedom_of_targets(objective, points)
     kappa = scale_of_normal(study.loss)
 
@@ -176,18 +173,34 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
     return np.where(study.sigma_given, sigma, np.maximum(sigma, least))
 
 
+def _misfits(objective: Objective, points: Points) -> tuple[np.ndarray, np.ndarray]:
+    """Sum u times the slope of the loss over the exact measurements of each target, and
+    over its limits, shape (targets,)."""
+    study, predicted = objective.study, points.predicted[0]
+    used = study.known & np.isfinite(predicted)
+    u = np.where(used, (predicted - study.measured) / objective.sigma, 0.0)
+    misfit = np.where(used, u * losses(u, study.censored, study.loss).slope, 0.0)
+    exact = used & study.exact
+    of_exact = np.sum(np.where(exact, misfit, 0.0), axis=0)
+    return of_exact, np.sum(np.where(exact, 0.0, misfit), axis=0)
+
+
 def understated(objective: Objective, points: Points) -> np.ndarray:
     """Find the targets whose given sigmas are too small for their residuals at a fit
     (points of one lane), shape (targets,); none where all sigmas are given."""
-    study, predicted = objective.study, points.predicted[0]
-    exact = study.exact & np.isfinite(predicted)
-    u = np.where(exact, (predicted - study.measured) / objective.sigma, 0.0)
-    work = u * losses(u, np.zeros(u.shape, int), study.loss).slope
-    chi_square = np.sum(work, axis=0) / scale_of_normal(study.loss)
+    study = objective.study
+    chi_square = _misfits(objective, points)[0] / scale_of_normal(study.loss)
     freedom = freedom_of_targets(objective, points)
     enough = study.sigma_given & (freedom >= LEAST_FREEDOM)
     improbable = chdtrc(np.maximum(freedom, LEAST_FREEDOM), chi_square) < IMPROBABLE
     return enough & improbable & ~np.all(study.sigma_given)
+
+
+def sigma_factors(objective: Objective) -> dict[str, float]:
+    """Compute the factors on given sigmas that the fit found too small, by target."""
+    study = objective.study
+    ratio = np.median(objective.sigma / study.sigma, axis=0)
+    return {n: float(ratio[study.targets.index(n)]) for n in study.understated}
 
 
 def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:

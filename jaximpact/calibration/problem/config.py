@@ -149,6 +149,12 @@ class Study:
         """Mask of measurements that are no limits, shape (tests, targets)."""
         return self.known & (self.censored == 0)
 
+    @property
+    def is_likelihood(self) -> bool:
+        """Whether the cost of the tests is their negative log-likelihood: the loss is
+        Gaussian, and no target has a weight."""
+        return self.loss == LOSSES[0] and bool(np.all(self.weights == 1.0))
+
     def each_test(self) -> tuple[np.ndarray, np.ndarray]:
         """Find the tests with a measurement, the points of a curve as one: the index
         among them of each row, -1 without any, and the first row of each."""

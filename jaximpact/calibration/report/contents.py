@@ -19,13 +19,12 @@ from ..diagnostics.examination import (
     fit_of_target,
     freedom_text,
     limits_alone,
-    sigma_factors,
     warnings_of,
 )
 from ..diagnostics.residuals import Bias, Residuals, rms
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.scatter import chosen_in_words
-from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
+from ..estimation.sigma import LEAST_FREEDOM, relative_sigma, sigma_factors
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
 from .parameters import correlated_pairs, nuisance_table, parameter_table, verdict
@@ -183,7 +182,7 @@ def target_table(
     limits = bool(np.any(study.known & (study.censored != 0)))
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
-    guessed, factors = limits_alone(study), sigma_factors(variant)
+    guessed, factors = limits_alone(study), sigma_factors(variant.objective)
     rows: list[dict[str, object]] = []
     for target, name in enumerate(study.targets):
         values = fit_of_target(result, variant, target)

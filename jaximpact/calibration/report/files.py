@@ -14,11 +14,16 @@ from ...io.output_files import NewFile, output_directory, together
 from ...reports.json_tree import json_text, plain
 from ...reports.tables import Table
 from ..comparison.comparison import NO_OTHERS, OtherLaws
-from ..diagnostics.examination import Examination, fit_of_target, sigma_factors
+from ..diagnostics.examination import Examination, fit_of_target
 from ..diagnostics.nuts import to_inference_data
 from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
-from ..estimation.sigma import freedom_of_targets, median_sigma, relative_sigma
+from ..estimation.sigma import (
+    freedom_of_targets,
+    median_sigma,
+    relative_sigma,
+    sigma_factors,
+)
 from ..fitted_ground import FILES, FORMAT
 from ..problem.config import Study
 from ..problem.dataset import LIMITS
@@ -238,7 +243,7 @@ def _targets(result: StudyResult, variant: VariantResult) -> dict:
     freedom = freedom_of_targets(variant.objective, variant.points)
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     typical = median_sigma(study, variant.sigma)
-    least, factors = study.least_size, sigma_factors(variant)
+    least, factors = study.least_size, sigma_factors(variant.objective)
     fit = {}
     for target, name in enumerate(study.targets):
         fit[name] = fit_of_target(result, variant, target) | {

@@ -14,7 +14,6 @@ from ..diagnostics.posterior import Draws
 from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.uncertainty import USELESS_ERROR
-from ..problem.noise import LOSSES
 
 NEARLY_NORMAL = 0.7
 """Effective sample size, as a fraction, above which the posterior is nearly normal."""
@@ -227,7 +226,7 @@ def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> st
             "constant fraction of the value; standard errors from many measurements do "
             "not."
         )
-    if result.study.loss != LOSSES[0] or np.any(result.study.weights != 1.0):
+    if not result.study.is_likelihood:
         words += (
             " Weights of targets, or the loss, make draws scatter otherwise than the "
             "fit: they are moved to the covariance of the standard errors."

@@ -13,7 +13,7 @@ from ...plotting.style import (
     legend_outside,
     panels,
 )
-from ..study.barriers import at_x
+from ...reports.tables import at_x
 from .posterior import FittedParameter
 from .predictive import ChannelPrediction, Curve
 from .problem import ENDS

@@ -10,9 +10,9 @@ import numpy as np
 from ...errors import InputError, UnusualValueWarning
 from ...io.scene_table import reads_as_number
 from ...io.toml import Key, check_keys, known_table, number, typed, whole
+from ...reports.tables import at_x
 from ..coordinates import FASTEST, HIGHEST_CLIFF
 from ..profile_formats import records_of_file
-from ..study.barriers import at_x
 from ..terrain import Profile, check_inside
 
 KEYS = ("blocks", "stops", "passages", "counts", "held_out_m", "sigma")

@@ -10,10 +10,9 @@ from ...io.files import write_text
 from ...io.output_files import NewFile
 from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
-from ...reports.tables import Table, interval_text, number_text, place_text
+from ...reports.tables import Table, at_x, interval_text, number_text, place_text
 from ..study.barriers import (
     NOTE,
-    at_x,
     barriers_in_json,
     design_table,
     effect_table,

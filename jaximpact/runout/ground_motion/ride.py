@@ -343,22 +343,42 @@ def _cut(
         if not len(rows):
             continue
         columns = place[rows]
-        x, y, n_x, n_y, squared = where(
+        end = where(
             riders.at(rows), _at(ahead, rows, columns), _at(motion, rows, columns)
         )
-        for array, values in (
-            (ahead.stop_x, x),
-            (ahead.stop_y, y),
-            (ahead.stop_normal_x, n_x),
-            (ahead.stop_normal_y, n_y),
-            (motion.stop_squared, squared),
-        ):
-            array[rows, columns] = values
+        _end_at(ahead, motion, rows, columns, end)
         shorter = passage(
             _at(ahead, rows, columns), _at(motion, rows, columns), riders.at(rows)
         )
         for array, values in zip(conditions.passage, shorter, strict=True):
             array[rows, columns] = values
+
+
+def _end_at(
+    ahead: Ahead,
+    motion: MotionAhead,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    end: tuple[np.ndarray, ...],
+) -> None:
+    """Let elements end at centres x and y, with normals and squared speeds there."""
+    arrays = ahead.stop_x, ahead.stop_y, ahead.stop_normal_x, ahead.stop_normal_y
+    for array, values in zip((*arrays, motion.stop_squared), end, strict=True):
+        array[rows, columns] = values
+
+
+def _along(
+    ahead: Ahead, h: np.ndarray, way: np.ndarray, arc_x: np.ndarray, arc_y: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Compute centres and normals on elements: a way along a segment [m], or where the
+    normal of an arc of radius h is (arc_x, arc_y)."""
+    n_x, n_y, straight = ahead.start_normal_x, ahead.start_normal_y, ahead.is_segment
+    return (
+        ahead.start_x + np.where(straight, way * n_y, h * (arc_x - n_x)),
+        ahead.start_y + np.where(straight, -way * n_x, h * (arc_y - n_y)),
+        np.where(straight, n_x, arc_x),
+        np.where(straight, n_y, arc_y),
+    )
 
 
 def _cut_after(
@@ -387,20 +407,15 @@ def _cut_after(
     moves = np.minimum(left, rest)
     way = np.clip(moves * (speed + 0.5 * moves * acceleration), 0.0, length)
     part = way / np.maximum(length, TINY)
-    n_x, n_y = ahead.start_normal_x[at], ahead.start_normal_y[at]
-    to_x, to_y = ahead.stop_normal_x[at], ahead.stop_normal_y[at]
+    element, h = _at(ahead, rows, columns), riders.radius[rows]
+    n_x, n_y = element.start_normal_x, element.start_normal_y
+    to_x, to_y = element.stop_normal_x, element.stop_normal_y
     turn = part * arctan2(n_x * to_y - n_y * to_x, n_x * to_x + n_y * to_y)
     sin_turn, cos_turn = sin(turn), cos(turn)
-    new_x, new_y = cos_turn * n_x - sin_turn * n_y, sin_turn * n_x + cos_turn * n_y
-    straight, h = ahead.is_segment[at], riders.radius[rows]
-    along_x = np.where(straight, way * n_y, h * (new_x - n_x))
-    along_y = np.where(straight, -way * n_x, h * (new_y - n_y))
-    ahead.stop_x[at] = ahead.start_x[at] + along_x
-    ahead.stop_y[at] = ahead.start_y[at] + along_y
-    ahead.stop_normal_x[at] = np.where(straight, n_x, new_x)
-    ahead.stop_normal_y[at] = np.where(straight, n_y, new_y)
-    stop = np.maximum(speed + acceleration * moves, 0.0)
-    motion.stop_squared[at] = stop**2
+    arc_x, arc_y = cos_turn * n_x - sin_turn * n_y, sin_turn * n_x + cos_turn * n_y
+    squared = np.maximum(speed + acceleration * moves, 0.0) ** 2
+    end = *_along(element, h, way, arc_x, arc_y), squared
+    _end_at(ahead, motion, rows, columns, end)
     conditions.passage.length[at] = way
     conditions.passage.duration[at] = left
 
@@ -427,14 +442,8 @@ def _slowing(
     arc_x, arc_y = (friction * cos - sin) / top, (cos + friction * sin) / top
     stays = spare <= 0.0
     arc_x, arc_y = np.where(stays, n_x, arc_x), np.where(stays, n_y, arc_y)
-    straight = ahead.is_segment
-    return (
-        ahead.start_x + np.where(straight, foot * n_y, h * (arc_x - n_x)),
-        ahead.start_y + np.where(straight, -foot * n_x, h * (arc_y - n_y)),
-        np.where(straight, n_x, arc_x),
-        np.where(straight, n_y, arc_y),
-        np.minimum(np.maximum(motion.start_squared, 0.0), least),
-    )
+    squared = np.minimum(np.maximum(motion.start_squared, 0.0), least)
+    return *_along(ahead, h, foot, arc_x, arc_y), squared
 
 
 ENDS_ON = np.isin(

@@ -291,11 +291,6 @@ def mark(one: Estimate, other: Estimate) -> str:
     return DIFFERS if is_apart(one[3:], other[3:]) else ""
 
 
-def at_x(x: float) -> str:
-    """Name a place on the slope."""
-    return f"x = {place_text(x, 6)} m"
-
-
 def estimate_table(
     at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
 ) -> Table:

@@ -26,11 +26,10 @@ from ...plotting.style import (
     panels,
     plain,
 )
-from ...reports.tables import place_text
+from ...reports.tables import at_x, place_text
 from ..terrain import Profile, ground_columns, ground_values
 from ..trajectory import Runs
 from ..trajectory_drawing import add_trajectories, bottom_of, height_of
-from .barriers import at_x
 from .endings import stops_of, valid_blocks
 
 CURVES = (

@@ -20,11 +20,11 @@ import xarray as xr
 from ..._packages import needed
 from ...io.files import replacing
 from ...io.output_files import NewFile
+from ...reports.tables import at_x
 from ..trajectory import Runs
 from .barriers import (
     DESIGN_PERCENTILES,
     DESIGN_QUANTITIES,
-    at_x,
     barriers_in_json,
     estimates_of,
 )

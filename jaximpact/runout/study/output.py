@@ -14,10 +14,10 @@ from ...io.output_files import NewFile
 from ...plotting.style import save_figure
 from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
-from ...reports.tables import Table, place_text
+from ...reports.tables import Table, at_x, place_text
 from ..trajectory import Ending
 from . import drawing
-from .barriers import at_x, barriers_in_json, effect_table, estimate_table, estimates_of
+from .barriers import barriers_in_json, effect_table, estimate_table, estimates_of
 from .endings import counts_of, stops_of, valid_blocks
 from .intervals import DIFFERS, is_apart, percentile_interval
 from .map_files import names_of_map_files, write_map_files

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ...reports.document import Box, Document, Interactive, Part, ReportSection
-from ...reports.tables import Table, interval_text, listed, place_text
+from ...reports.tables import Table, at_x, interval_text, listed, place_text
 from ...scene_quantities import SHAPE
 from ..contacts.contact_models import ClosedForm, FullModel
 from ..terrain import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE
@@ -20,7 +20,6 @@ from .barriers import (
     BarrierEstimates,
     Estimate,
     OtherEstimates,
-    at_x,
     design_table,
     effect_table,
     estimates_beside,

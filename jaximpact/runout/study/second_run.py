@@ -16,10 +16,10 @@ import numpy as np
 import xarray as xr
 
 from ...laws import DeepestPoint, WorkConjugate
-from ...reports.tables import Table, interval_text, number_text
+from ...reports.tables import Table, at_x, interval_text, number_text
 from ..contacts.contact_models import FullModel
 from ..trajectory import NOTABLE_E_N
-from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, at_x, estimates_of
+from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, estimates_of
 from .endings import stops_of, valid_blocks
 from .intervals import DIFFERS, is_apart, percentile_interval
 from .slope_file import SlopeStudy
