@@ -88,15 +88,27 @@ def number_in(tracer: Tracer):
     return least if least == np.max(values) else tracer
 
 
-def primal_of(value):
-    """Find the array that a tracer of first derivatives outside of `jit` stands for, or
-    a value that is no tracer; None for other tracers, `jax.experimental.jet`'s too."""
-    if not isinstance(value, Tracer):
-        return value
-    if type(getattr(value, "_trace", None)).__name__ not in _FIRST_DERIVATIVES:
+def known_primals(values: Sequence) -> list | None:
+    """Return the arrays that tracers of one first derivative outside of `jit` stand
+    for, and other values as they are.
+
+    None where there are other tracers, `jax.experimental.jet`'s too, and where some
+    belong to a derivative inside of another one: whoever computed with their arrays
+    would lose one of the two.
+    """
+    tracers = [value for value in values if isinstance(value, Tracer)]
+    traces = {
+        id(trace): trace for trace in (getattr(x, "_trace", None) for x in tracers)
+    }
+    if len(traces) > 1 or not all(map(is_differentiated, tracers)):
         return None
-    primal = getattr(value, "primal", None)
-    return None if isinstance(primal, Tracer) else primal
+    primals = [x.primal if isinstance(x, Tracer) else x for x in values]
+    return None if any(isinstance(x, Tracer) for x in primals) else primals
+
+
+def is_differentiated(value) -> bool:
+    """Tell whether JAX differentiates a value, inside of `jit` or outside."""
+    return type(getattr(value, "_trace", None)).__name__ in _FIRST_DERIVATIVES
 
 
 def called(equation) -> ClosedJaxpr | None:

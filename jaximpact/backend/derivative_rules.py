@@ -14,7 +14,13 @@ import numpy as np
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array
 
-from .._jax_internals import Tracer, is_inside_jit, namespace_of, primal_of
+from .._jax_internals import (
+    Tracer,
+    is_differentiated,
+    is_inside_jit,
+    known_primals,
+    namespace_of,
+)
 from .._precision import handed_over
 from .._settings import own_settings
 from ..accuracy import Accuracy
@@ -32,7 +38,7 @@ from ..scene import Scene, shape_of
 from . import NATIVE, Engine
 from .native_backend import compile_side_by_side, computes_on_cpu
 from .request import Request, request
-from .rows import columns_of, values_of
+from .rows import columns_of, refuse_second_order, values_of
 from .simd import KernelSet
 
 
@@ -145,8 +151,8 @@ def _solved(
     sampled = times is not None
     wanted, values = request(structure, leaves, accuracy, ledger, engine, sampled)
     if any(isinstance(value, Tracer) for value in (*values, times)):
-        if not sampled and all(primal_of(value) is not None for value in values):
-            return wanted.solution(_known_rows(wanted, values))
+        if not sampled and (known := known_primals(values)) is not None:
+            return wanted.solution(_known_rows(wanted, values, known))
         return wanted.solution(_rows_of(*_solve(wanted, values, times)))
     # Nothing to differentiate: half the time of a call would go into asking. Handing
     # over the numbers of a single impact one by one would take as long as the impact.
@@ -155,7 +161,7 @@ def _solved(
     return jax.device_put(values_of(wanted, values, times, in_jax=False))
 
 
-def _known_rows(wanted: Request, values: list) -> list[Array]:
+def _known_rows(wanted: Request, values: list, known: list) -> list[Array]:
     """Compute rows of numbers where JAX differentiates outside of `jit`: all is known,
     and rows and derivatives are computed without JAX. It takes one compiled operation,
     where `_solve` takes three."""
@@ -164,7 +170,7 @@ def _known_rows(wanted: Request, values: list) -> list[Array]:
         for place, value in zip(wanted.places, values, strict=True)
         if isinstance(value, Tracer)
     }
-    known = [np.asarray(primal_of(value)) for value in values]
+    known = [np.asarray(value) for value in known]
     solution, columns = columns_of(wanted, known, None, list(varied), in_jax=False)
     rows = np.array(jax.tree.leaves(solution))
     # One array, since JAX takes a while for each. What is transposed later is outside
@@ -205,6 +211,8 @@ def _solve_jvp(wanted: Request, primals, tangents):
     if wanted.sampled:
         steps[wanted.place_of_times] = tangents[1]
     steps = {k: s for k, s in steps.items() if not isinstance(s, SymbolicZero)}
+    if any(map(is_differentiated, (*values, times))):
+        refuse_second_order()
     in_jax = any(isinstance(value, Tracer) for value in (*values, times))
     if not in_jax:  # a tenth of the time of an operation of JAX
         values, times = jax.tree.map(np.asarray, (values, times))

@@ -12,7 +12,7 @@ import concurrent.futures
 import functools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import jax
 import jax.numpy as jnp
@@ -233,14 +233,31 @@ def _first_order(kernels, along, places, rest, values, effort, program, times):
 @functools.partial(_first_order.defjvp, symbolic_zeros=True)
 def _no_second_order(kernels, along, places, rest, primals, tangents):
     if not all(isinstance(t, SymbolicZero) for t in jax.tree.leaves(tangents)):
-        raise NotImplementedError(
-            "second derivatives of an impact are asked for, but the machine code has "
-            "first ones alone: take J.T @ J of the residuals, or wrap your function "
-            "in jaximpact.with_second_derivatives, which takes differences "
-            '(documentation: "Optimisers of SciPy")'
-        )
+        refuse_second_order()
     results = _traced(kernels, along, places, rest.value, *primals)
     return results, jax.tree.map(jnp.zeros_like, results)
+
+
+def refuse_second_order() -> NoReturn:
+    """Raise NotImplementedError for derivatives of what has derivatives."""
+    raise NotImplementedError(
+        "second derivatives of an impact are asked for, or a derivative of one inside "
+        "of another, but there are first ones alone: take J.T @ J of the residuals, or "
+        "wrap your function in jaximpact.with_second_derivatives, which takes "
+        'differences (documentation: "Optimisers of SciPy")'
+    )
+
+
+@jax.custom_jvp
+def _once(results):
+    """Return results with derivatives, which are not differentiated again: steps of
+    XLA's program have the widths that the value needs."""
+    return results
+
+
+@_once.defjvp
+def _once_only(primals, tangents):
+    refuse_second_order()
 
 
 def _by_xla(
@@ -262,6 +279,7 @@ def _by_xla(
     if in_jax:
         with tracing():
             results = program(leaves, tolerance, floor, times)
+            results = _once(results) if varied else results
     else:
         results = _many_by_xla(program, leaves, (tolerance, floor), times)
     if not varied:

@@ -24,7 +24,7 @@ from ..identity import name_of
 from ..impact.events import Outcome
 from ..parameters import Part
 from ..progress import tell, within
-from ..quantities import NEVER_NEGATIVE
+from ..quantities import NEVER_NEGATIVE, USUAL
 from ..scene_quantities import SHAPE
 from .comparison.fitted_law import LawPrediction, predict_simple
 from .diagnostics.discrepancy import freedom_of_sum
@@ -148,7 +148,8 @@ def predict_tests(
 def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     """Make a study of new tests with the parameters of a fit; it is not fitted."""
     path = tests.files[0].path
-    check_laws(ground.parts, tests, path)
+    for fitted in ground.variants:
+        check_laws({**ground.parts, **fitted.variant.laws}, tests, path)
     tests = tests.with_inputs(ground.block)
     check_not_fitted((p.name for p in (*ground.parameters, *ground.tied)), tests, path)
     targets = (*ground.targets, *(n for n in tests.measured if n not in ground.targets))
@@ -194,13 +195,14 @@ def check_not_fitted(names: Iterable[str], tests: Measurements, path: Path) -> N
 
 
 def check_laws(parts: Mapping[str, Part], tests: Measurements, path: Path) -> None:
-    """Raise InputError where the tests name another law than those of the fit."""
-    for slot, law in parts.items():
-        named = tests.parts.get(slot, law)
-        if slot != SHAPE and name_of(type(named)) != name_of(type(law)):
+    """Raise InputError where the tests name another law than those of the fit, which
+    are the usual ones where `parts` has none."""
+    for slot in sorted(tests.slots - {SHAPE}):
+        named = type(tests.parts[slot])
+        law = type(parts[slot]) if slot in parts else USUAL[slot]
+        if name_of(named) != name_of(law):
             raise InputError(
-                f"is {type(named).__name__}, but the fit was made with "
-                f"{type(law).__name__}",
+                f"is {named.__name__}, but the fit was made with {law.__name__}",
                 file=path,
                 column=slot,
             )

@@ -2,6 +2,7 @@
 posterior. Linear models have exact answers."""
 
 import dataclasses
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -31,7 +32,7 @@ from jaximpact.calibration.diagnostics.identifiability import Verdict, profile_a
 from jaximpact.calibration.diagnostics.importance_sampling import draw
 from jaximpact.calibration.diagnostics.nuts import compare_errors
 from jaximpact.calibration.diagnostics.posterior import Chains, Draws
-from jaximpact.calibration.diagnostics.predictive import bands_of
+from jaximpact.calibration.diagnostics.predictive import bands_of, predictive
 from jaximpact.calibration.diagnostics.residuals import residuals_of
 from jaximpact.calibration.diagnostics.uncertainty import estimate, regular_covariance
 from jaximpact.cli import main
@@ -192,17 +193,44 @@ def test_draws_in_parts_are_of_the_same_posterior():
     assert np.min(enough.cost) < below
 
 
+KNOWN = np.array([np.inf])
+"""Degrees of freedom of a sigma that is given."""
+
+
 def test_bands_of_a_line():
     """Against the textbook, of the line and of a measurement."""
     matrix, measured = line(20)
     objective, points, uncertainty = linear(matrix, measured)
-    found = bands_of(objective, draw(objective, points, 1.0, count=4000), 1.0)
+    drawn = draw(objective, points, 1.0, count=4000)
+    found = bands_of(objective, drawn, 1.0, drawn.weights, KNOWN)
     spread = np.sqrt(np.einsum("tp,pq,tq->t", matrix, uncertainty.covariance, matrix))
     width = (found.high - found.low)[:, 0]
     # Quantiles of some 3700 draws: 4 standard errors of 3 % each.
     np.testing.assert_allclose(width, 2.0 * 1.96 * spread, rtol=0.12)
     width = (found.measured_high - found.measured_low)[:, 0]
     np.testing.assert_allclose(width, 2.0 * 1.96 * np.hypot(spread, SIGMA), rtol=0.03)
+
+
+@pytest.mark.parametrize("freedom", [1.0, 3.0, 30.0])
+def test_bands_of_an_estimated_sigma_are_those_of_predictions(freedom):
+    """Student's quantiles, with the weights of the draws that predictions take."""
+    objective, points, _ = linear(*line(5))
+    drawn = draw(objective, points, 1.0, count=400)
+    weights = drawn.weights * np.linspace(0.5, 1.5, len(drawn.weights))
+    weights /= np.sum(weights)
+    found = bands_of(objective, drawn, 1.0, weights, np.array([freedom]))
+    width = found.measured_high - found.measured_low
+    for test in range(5):
+        values = drawn.predicted[:, test, 0]
+        each = partial(student.cdf, df=freedom)
+        for part, band in ((0.025, found.measured_low), (0.975, found.measured_high)):
+            below = each((band[test, 0] - values) / SIGMA)
+            assert np.sum(weights * below) == pytest.approx(part, abs=1e-12)
+        # The atoms of a prediction stand for intervals of one per cent.
+        expected = predictive(values, weights, SIGMA, freedom)
+        assert expected.quantile(0.975) - expected.quantile(0.025) == pytest.approx(
+            width[test, 0], rel=0.02
+        )
 
 
 @pytest.mark.parametrize("target", ["max_penetration_m", "final_sinking_m"])
@@ -213,11 +241,11 @@ def test_bands_of_what_is_never_negative(target):
     objective.study, value = study, 0.5 * SIGMA + 0.04 * np.arange(6.0)
     one = draw(objective, points, 1.0, count=1)
     one = one._replace(predicted=value[None, :, None])
-    found = bands_of(objective, one, 4.0)
+    found = bands_of(objective, one, 4.0, np.ones(1), KNOWN)
     shape = np.sqrt(np.log1p((2.0 * SIGMA / np.maximum(value, SIGMA)) ** 2))
     scale = np.maximum(value, SIGMA) * np.exp(-0.5 * shape**2)
     for part, band in ((0.025, found.measured_low), (0.975, found.measured_high)):
-        # Fifty halvings of twelve deviations leave rounding alone.
+        # Of one draw it is in closed form.
         expected = lognorm.ppf(part, shape, scale=scale)
         np.testing.assert_allclose(band[:, 0], expected, rtol=1e-10)
     np.testing.assert_allclose(found.low[:, 0], value, rtol=1e-12)
@@ -228,7 +256,8 @@ def test_bands_where_nothing_is_predicted():
     found = draw(objective, points, 1.0)
     gone = found.predicted.copy()
     gone[:, 2] = np.nan
-    bands = bands_of(objective, found._replace(predicted=gone), 1.0)
+    found = found._replace(predicted=gone)
+    bands = bands_of(objective, found, 1.0, found.weights, KNOWN)
     assert np.isnan(bands.low[2, 0])
     assert np.all(np.isfinite(np.delete(bands.low, 2, axis=0)))
 

@@ -510,6 +510,36 @@ def test_second_derivatives_are_refused_in_words():
             second(0.8)
 
 
+@pytest.mark.parametrize("engine", ["machine code", "diffrax"])
+def test_derivatives_inside_of_derivatives_are_refused(engine):
+    """By other values: each alone would be that of a number, 0."""
+
+    def rebound(gamma_v, angle):
+        impact = Impact(angle=angle, orientation=0.3)
+        return FAST(Block(), Soil(gamma_v=gamma_v), impact, engine=engine).e_n
+
+    def value_inside(angle):
+        return jax.value_and_grad(rebound)(8.0, angle)[0]
+
+    nested = (
+        lambda: jax.jacfwd(jax.grad(rebound, 0), 1)(8.0, 0.5),
+        lambda: jax.grad(value_inside)(0.5),
+        lambda: jax.jvp(value_inside, (0.5,), (1.0,)),
+    )
+    for derivative in nested:
+        with pytest.raises(NotImplementedError, match="of one inside of another"):
+            derivative()
+
+
+def test_a_derivative_inside_of_one_by_what_is_no_input():
+    def rebound(gamma_v):
+        return FAST(Block(), Soil(gamma_v=gamma_v), Impact(angle=0.5)).e_n
+
+    expected = jax.grad(rebound)(8.0)
+    assert jax.grad(lambda a: a * jax.grad(rebound)(8.0))(0.5) == expected
+    assert jax.grad(lambda a: jax.jvp(rebound, (8.0,), (a,))[1])(0.5) == expected
+
+
 def test_empty_and_single_lanes():
     assert FAST(Block(), Soil(), Impact(speed=jnp.zeros(0))).e_n.shape == (0,)
     # Also of what decides the model; alone, in `jit` and in derivatives

@@ -163,6 +163,16 @@ def test_a_fixed_unknown_stays():
     assert -400.0 * a * (2.5 - a**2) - 2.0 * (1.0 - a) == pytest.approx(0.0, abs=1.0)
 
 
+@pytest.mark.parametrize("near", [0.0, 1e-13, 1e-11, -1e-8])
+def test_a_start_beside_zero_moves(near):
+    """As a profile's unknowns that are left free: deviations of a group, whose best
+    value is 0 but for rounding."""
+    x = np.array([[0.2, near]])  # a = 1
+    fits = least_squares(Valley(), x, np.array([[False, True]]))
+    assert fits.reasons == [Reason.converged]
+    assert Valley.bounds.parameter(fits.points.x)[0, 1] == pytest.approx(1.0, abs=1e-3)
+
+
 def test_a_start_at_a_cliff_is_stuck():
     """The cost falls towards a cliff, and there is no minimum before it."""
     fits = least_squares(Cliff(), np.array([[0.3, 0.0]]))

@@ -14,6 +14,7 @@ from ..estimation.sigma import (
     IMPROBABLE,
     LEAST_FREEDOM,
     LEAST_PART,
+    freedom_of_targets,
     median_sigma,
     sigma_factors,
 )
@@ -138,12 +139,15 @@ def _examine(
     if samples is not None:
         samples = stretched(samples, objective, points, matrix)
     best = _best(draws, samples)
+    # As predictions take it
+    estimated = np.maximum(freedom_of_targets(objective, points), 1.0)
+    freedom = np.where(study.sigma_given, np.inf, estimated)
     return Examination(
         residuals=residuals_of(objective, points, inflation),
         draws=draws,
         posterior=best,
         weights=weights,
-        bands=bands_of(objective, best, inflation),
+        bands=bands_of(objective, best, inflation, weights, freedom),
         each=each,
         campaigns=campaigns,
         discrepancy=estimate_discrepancy(*fit),

@@ -14,7 +14,7 @@ without spread the absolute error, in the unit of the result; smaller is better
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtr, ndtri, stdtrit
+from scipy.special import ndtr, ndtri, stdtr, stdtrit
 
 from ...quantities import NEVER_NEGATIVE
 from ..problem.objective import Objective
@@ -120,17 +120,25 @@ class Bands(NamedTuple):
     measured_high: np.ndarray
 
 
-def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
-    """Compute the bands from draws. The logarithm of a measurement that is never
-    negative scatters, as in `predictive`.
+def bands_of(
+    objective: Objective,
+    draws: Draws,
+    inflation: float,
+    weights: np.ndarray,
+    freedom: np.ndarray,
+) -> Bands:
+    """Compute the bands from draws. A measurement scatters as in `predictive`.
 
     Args:
         objective: objective with the sigmas of the fit, whose squares are multiplied by
             the inflation.
+        weights: weights of the draws, as predictions take them; their sum is 1.
+        freedom: degrees of freedom from which the sigma of each target was estimated,
+            shape (targets,); infinite where it was given.
     """
     tail = (1.0 - CONFIDENCE) / 2.0
     there = np.isfinite(draws.predicted)
-    weights = np.where(there, draws.weights[:, None, None], 0.0)
+    weights = np.where(there, weights[:, None, None], 0.0)
     total = np.sum(weights, axis=0)
     share = weights / np.where(total > 0.0, total, 1.0)
     values = np.where(there, draws.predicted, 0.0)
@@ -139,28 +147,32 @@ def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
     middle, spread = values.copy(), np.broadcast_to(scatter, values.shape).copy()
     scaled = _logarithm(values[..., positive], scatter[:, positive])
     middle[..., positive], spread[..., positive] = scaled
+    known = np.full(len(freedom), np.inf)
     rows = [
-        *(_quantile(values, share, 0.0, part) for part in (tail, 0.5, 1.0 - tail)),
-        *(_quantile(middle, share, spread, part) for part in (tail, 1.0 - tail)),
+        *(_quantile(values, share, 0.0, known, p) for p in (tail, 0.5, 1.0 - tail)),
+        *(_quantile(middle, share, spread, freedom, p) for p in (tail, 1.0 - tail)),
     ]
     for row in rows[3:]:
         row[:, positive] = np.exp(row[:, positive])
     return Bands(*(np.where(total > 0.0, row, np.nan) for row in rows))
 
 
-def _quantile(values, weights, sigma, part: float) -> np.ndarray:
-    """Compute a quantile of a mixture of normal distributions (draws, ...) by
-    bisection."""
+def _quantile(values, weights, sigma, freedom, part: float) -> np.ndarray:
+    """Compute a quantile of a mixture of Student's distributions (draws, ...) by
+    bisection, between the smallest and the largest quantile of one of them."""
     there = weights > 0.0
-    reach = 6.0 * sigma
-    low = np.min(np.where(there, values - reach, np.inf), axis=0)
-    high = np.max(np.where(there, values + reach, -np.inf), axis=0)
+    normal = freedom >= NORMAL_FROM
+    few = np.where(normal, 1.0, freedom)
+    of_one = values + sigma * np.where(normal, ndtri(part), stdtrit(few, part))
+    low = np.min(np.where(there, of_one, np.inf), axis=0)
+    high = np.max(np.where(there, of_one, -np.inf), axis=0)
     empty = ~np.any(there, axis=0)
     low, high = np.where(empty, 0.0, low), np.where(empty, 0.0, high)
     for _ in range(50):
         middle = 0.5 * (low + high)
         apart = middle - values
-        smooth = ndtr(apart / np.where(sigma > 0.0, sigma, 1.0))
+        ratio = apart / np.where(sigma > 0.0, sigma, 1.0)
+        smooth = np.where(normal, ndtr(ratio), stdtr(few, ratio))
         below = np.where(sigma > 0.0, smooth, (apart >= 0.0).astype(float))
         under = np.sum(weights * below, axis=0) < part
         low, high = np.where(under, middle, low), np.where(under, high, middle)

@@ -13,6 +13,10 @@ from ..problem.objective import Objective, Points
 INSIDE = 1e-9
 """Distance from the bounds, as a fraction of the range, at which a fit starts: the
 method needs interior points."""
+NEAR_ZERO = 1e-4
+"""Norm of the unknowns below which a fit starts at 0: the method's first trust region
+is as large as that norm, and of size 1 at 0 itself. Of a region of 1e-11 it would take
+the first step for the last."""
 ROUNDING = 1e-12
 """Eigenvalue of a Hessian, over its largest, below which a direction changes no cost
 that double precision could tell."""
@@ -134,12 +138,14 @@ def _fit_one(
         bounds = objective.bounds
         low, high = bounds.low[free], bounds.high[free]
         at = _Evaluations(objective, points, free)
-        room = INSIDE * (high - low)
+        room, begin = INSIDE * (high - low), start[free]
+        if np.linalg.norm(begin) < NEAR_ZERO:
+            begin = np.zeros_like(begin)
         # Beside a jump derivatives may be so steep that the method overflows.
         with np.errstate(all="ignore"):
             solution = trust_region(
                 at.residuals,
-                np.clip(start[free], low + room, high - room),
+                np.clip(begin, low + room, high - room),
                 jac=at.jacobian,  # pyright: ignore[reportArgumentType]
                 bounds=(low, high),
                 ftol=_least_fall(objective, tolerance),
