@@ -232,6 +232,47 @@ def test_undetermined_parameters_must_be_said(here, capsys):
     assert "fit.json" in manifest["files"]
 
 
+def test_what_the_table_of_the_tests_says_of_the_ground_holds(here):
+    """Values that all tests share, unless the study or the file of the fit says another
+    one; defaults are not repeated."""
+    content = fit()
+    ranges = {"friction_angle_deg": 31.0, "k_E": 600.0, "psi": 0.4, "rho_c0": 0.001}
+    ranges = {name: [value, value] for name, value in ranges.items()}
+    content["fitted_tests"]["ranges"] = ranges | {"mass_kg": [1.0, 9.0], "c_v": [1, 2]}
+    write(here, content)
+    soil = study_with(here, f"{FROM}\npsi = 0.5").profile.soil
+    assert np.unique(soil.friction_angle) == pytest.approx(np.radians(31.0))
+    np.testing.assert_array_equal(soil.k_E, 700.0)
+    np.testing.assert_array_equal(soil.psi, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "nuisances", "message"),
+    [
+        ([0.3, 0.4], {}, "must say psi, which is 0.3 to 0.4 in the tests"),
+        (
+            [0.33, 0.33],
+            {"psi": {"by": "campaign", "prior": {"mean": 0.3, "sd": 0.1}}},
+            "must say psi, which has a value for each campaign in the tests",
+        ),
+    ],
+)
+def test_what_differs_between_the_tests_must_be_said(
+    here, capsys, ranges, nuisances, message
+):
+    content = fit()
+    content["fitted_tests"]["ranges"] = {"psi": ranges}
+    content["manifest"]["nuisances"] = nuisances
+    write(here, content)
+    assert_refused(capsys, f"key ground ... {message}")
+    soil = study_with(here, f"{FROM}\npsi = 0.35").profile.soil
+    np.testing.assert_array_equal(soil.psi, 0.35)
+    (here / "p.csv").write_text("x_m,y_m,psi\n0,20,0.2\n30,0,0.3\n80,0,0.3\n")
+    points = "points_m = [[0, 20], [30, 0], [80, 0]]"
+    soil = study_with(here, FROM, (points, 'csv = "p.csv"')).profile.soil
+    np.testing.assert_array_equal(soil.psi, [0.2, 0.3])
+
+
 @pytest.mark.parametrize(
     ("message", "ground", "changes"),
     [

@@ -22,6 +22,7 @@ from scipy.special import ndtri
 from ...errors import InputError, UnusualValueWarning, did_you_mean
 from ...io.files import read_input
 from ...parameters import parts_of
+from ...quantities import InputColumn
 from ...scene import Soil
 from ..random_inputs import uniforms
 from ..terrain import ground_columns
@@ -39,6 +40,7 @@ class Calibrated(NamedTuple):
     checksum: str  # SHA-256 of the file
     soil: Soil  # soil with the laws of the calibration
     fixed: dict[str, float]  # values that were not fitted, in their units
+    differing: dict[str, str]  # how values that the tests do not share differ, by name
     names: tuple[str, ...]  # names of the fitted parameters
     undetermined: dict[str, str]  # reasons why parameters are not identifiable, by name
     bounds: "Bounds"  # Bounds and coordinates of the fit
@@ -114,8 +116,9 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     parts = ground.parts | fit.variant.laws
     soil = Soil(**{slot: parts[slot] for slot in parts_of(Soil) if slot in parts})
     names = tuple(parameter.name for parameter in ground.parameters)
-    fixed = ground.soil | fit.variant.soil
     columns = ground_columns(soil)
+    of_tests, differing = _of_tests(ground, columns)
+    fixed = of_tests | ground.soil | fit.variant.soil
     unknown = [name for name in (*names, *fixed) if name not in columns]
     if unknown:
         raise InputError(f"holds {unknown[0]}, which no ground has", file=file)
@@ -137,6 +140,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         checksum=checksum,
         soil=soil,
         fixed={name: float(value) for name, value in fixed.items()},
+        differing={n: how for n, how in differing.items() if n not in fixed},
         names=names,
         undetermined=fit.undetermined,
         bounds=bounds,
@@ -146,6 +150,26 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
             [entry["prior"]["sd"] if entry.get("pooled") else 0.0 for entry in groups]
         ),
     )
+
+
+def _of_tests(
+    ground: "FittedGround", columns: Mapping[str, InputColumn]
+) -> tuple[dict[str, float], dict[str, str]]:
+    """Collect what the tables of the tests say of the ground, beyond what was fitted:
+    values that all tests share and that are not the default; and how others differ."""
+    fitted = {parameter.name for parameter in ground.parameters}
+    shared, differing = {}, {}
+    for name, (low, high) in ground.ranges.items():
+        nuisance = ground.nuisances.get(name, {"pooled": True})
+        if name not in columns or name in fitted:
+            continue
+        if not nuisance.get("pooled"):
+            differing[name] = f"has a value for each {nuisance['by']} in the tests"
+        elif low != high:
+            differing[name] = f"is {low:g} to {high:g} in the tests"
+        elif low != columns[name].default:
+            shared[name] = low
+    return shared, differing
 
 
 def _variant(file: Path, ground: "FittedGround", wanted: str | None) -> "FittedVariant":

@@ -60,6 +60,7 @@ def read_ground_profile(
         else:
             layer = typed(key, table, "layer", str) if "layer" in table else None
             profile = _of_dxf(file, layer, surface)
+    _check_all_said(ground, columns)
     smoothing = None
     if SMOOTHING in table:
         # Before the profile is cut where the ground changes, so that it stays there.
@@ -113,6 +114,15 @@ def _check_said_once(ground: GroundInput, csv: Path, columns: tuple[str, ...]) -
             raise top[key].error(
                 f"is also a column of {csv.name}; leave one of them out"
             )
+
+
+def _check_all_said(ground: GroundInput, columns: tuple[str, ...]) -> None:
+    """Raise InputError for a quantity that differs between the tests of the
+    calibration, unless the study or the profile says it."""
+    differing = {} if ground.calibrated is None else ground.calibrated.differing
+    for name, how in differing.items():
+        if f"ground.{name}" not in ground.quantities and name not in columns:
+            raise Key(ground.path)["ground"].error(f"must say {name}, which {how}")
 
 
 MAP_KEYS = ("origin", "azimuth_deg", "crs")
