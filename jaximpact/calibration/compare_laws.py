@@ -27,7 +27,7 @@ from .comparison.contenders import Law
 from .comparison.fitted_law import LawPrediction, predict_law
 from .diagnostics.predictive import Predictive
 from .diagnostics.uncertainty import CONFIDENCE
-from .prediction import check_laws, check_not_fitted
+from .prediction import check_laws, check_not_fitted, with_ground_of_fit
 from .problem.dataset import Measurements, joined_tables
 from .problem.laws import scene_of
 from .problem.nuisance import entries_of, open_nuisances
@@ -104,6 +104,11 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
     fitted = [one.name for one in (*study.parameters, *study.tied)]
     check_not_fitted((*fitted, *more), tests, path)
     tests = tests.with_inputs(study.block)
+    said = *study.soil, *(name for one in study.variants for name in one.soil)
+    known = {*fitted, *more, *(one.name for one in study.nuisances), *said}
+    columns = study.tests.inputs.items()
+    ranges = {name: (np.min(v), np.max(v)) for name, v in columns}
+    tests = with_ground_of_fit(tests, ranges, known, path)
     new = dataclasses.replace(
         study,
         path=path,

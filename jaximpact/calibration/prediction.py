@@ -12,7 +12,7 @@ A nuisance parameter of a group that the fit knows has the fit's values; that of
 group is sampled from its prior, once for each group and draw.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,6 +59,8 @@ class Outside(NamedTuple):
     """Range of the fitted tests [unit of the column]."""
     tests: np.ndarray
     """Indices of the tests that leave it."""
+    values: np.ndarray
+    """What these tests have there."""
 
 
 class VariantPrediction(NamedTuple):
@@ -138,7 +140,7 @@ def predict_tests(
         targets=study.targets,
         measured=study.measured,
         censored=study.censored,
-        outside=_outside(ground, study.tests),
+        outside=_outside(ground, study),
         variants=variants,
         inputs=[*inputs, *(table.path for table in measurements.sources)],
         simple=predict_simple(ground.simple, study),
@@ -151,7 +153,11 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     for fitted in ground.variants:
         check_laws({**ground.parts, **fitted.variant.laws}, tests, path)
     tests = tests.with_inputs(ground.block)
-    check_not_fitted((p.name for p in (*ground.parameters, *ground.tied)), tests, path)
+    fitted = [p.name for p in (*ground.parameters, *ground.tied)]
+    check_not_fitted(fitted, tests, path)
+    said = *ground.soil, *(n for one in ground.variants for n in one.variant.soil)
+    known = {*fitted, *ground.nuisances, *said}
+    tests = with_ground_of_fit(tests, ground.ranges, known, path)
     targets = (*ground.targets, *(n for n in tests.measured if n not in ground.targets))
     nothing = np.full(len(tests), np.nan)
     measured = [tests.measured.get(name, nothing) for name in targets]
@@ -192,6 +198,37 @@ def check_not_fitted(names: Iterable[str], tests: Measurements, path: Path) -> N
                 file=path,
                 column=name,
             )
+
+
+def with_ground_of_fit(
+    tests: Measurements,
+    ranges: Mapping[str, tuple[float, float]],
+    known: Collection[str],
+    path: Path,
+) -> Measurements:
+    """Give tests the quantities of the ground that they do not state, as the table of
+    the fitted tests has them.
+
+    Args:
+        ranges: smallest and largest value of columns in the fitted tests.
+        known: names of what the fit knows otherwise.
+
+    Raises InputError for a quantity that differs between the fitted tests.
+    """
+    shared = {}
+    for name, (low, high) in ranges.items():
+        column = tests.known_columns.get(name)
+        if column is None or column.part != "soil" or name in (*known, *tests.inputs):
+            continue
+        if low != high:
+            raise InputError(
+                f"has no column {name}, which is {low:g} to {high:g} in the fitted "
+                "tests",
+                file=path,
+            )
+        if low != column.default:
+            shared[name] = low
+    return tests.with_inputs(shared)
 
 
 def check_laws(parts: Mapping[str, Part], tests: Measurements, path: Path) -> None:
@@ -258,7 +295,7 @@ def predict_variant(
     if (discrepancy := fitted.discrepancy) is not None:
         count, of_apart = len(ground.targets), discrepancy.freedom
         best_values = at_best.predicted[0, :, :count]
-        apart[:, :count] = discrepancy.deviation(study.tests, study.soil, best_values)
+        apart[:, :count] = discrepancy.deviation(study.tests, study.stated, best_values)
     freedom = freedom_of_sum(sigma, of_sigma, apart, of_apart)
     return VariantPrediction(
         fitted=fitted,
@@ -350,9 +387,9 @@ def plain_forecast(all_results: dict[str, dict], name: str) -> Predictive | None
     return predictive(mean, np.ones(1), spread, count - 1.0, positive=positive)
 
 
-def _outside(ground: FittedGround, tests: Measurements) -> list[Outside]:
+def _outside(ground: FittedGround, study: Study) -> list[Outside]:
     """Find the columns in which tests leave the range of the fitted ones."""
-    columns, leaving = tests.columns(ground.soil), []
+    columns, leaving = study.tests.columns(study.stated), []
     known = ground.ranges.keys() - {parameter.name for parameter in ground.parameters}
     for name in filter(known.__contains__, columns):
         low, high = ground.ranges[name]
@@ -360,7 +397,8 @@ def _outside(ground: FittedGround, tests: Measurements) -> list[Outside]:
         room = 1e-6 * max(high - low, abs(low), abs(high))
         beyond = (columns[name] < low - room) | (columns[name] > high + room)
         if np.any(beyond):
-            leaving.append(Outside(name, low, high, np.flatnonzero(beyond)))
+            of_tests = np.flatnonzero(beyond), columns[name][beyond]
+            leaving.append(Outside(name, low, high, *of_tests))
     return leaving
 
 

@@ -84,6 +84,7 @@ def test_numbers_of_the_files(twin, tree):
     rows = [x.split(",") for x in (twin.out / "fitted.csv").read_text().splitlines()]
     assert len(rows) == 1 + MEASUREMENTS
     cells = dict(zip(*rows[:2], strict=True))
+    assert (cells["row"], cells["test"]) == ("2", DROPS["name"][0])
     assert float(cells["low"]) < float(cells["model_low"]) < float(cells["model_high"])
     assert float(cells["left_out_deviation"]) >= float(cells["sigma"])
 

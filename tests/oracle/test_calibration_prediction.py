@@ -11,6 +11,7 @@ from scipy.stats import norm, t
 from jaximpact import PRESETS
 from jaximpact.calibration.arguments import table_given
 from jaximpact.calibration.diagnostics.cross_validation import too_few
+from jaximpact.calibration.diagnostics.discrepancy import places_of
 from jaximpact.calibration.diagnostics.importance_sampling import (
     draw,
     stretched,
@@ -21,6 +22,7 @@ from jaximpact.calibration.diagnostics.uncertainty import estimate, stretch
 from jaximpact.calibration.estimation.sigma import freedom_of_targets
 from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant, read_fitted
 from jaximpact.calibration.prediction import (
+    _outside,
     held_out_study,
     plain_forecast,
     predict_variant,
@@ -34,6 +36,7 @@ from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import best_fit
 from jaximpact.errors import InputError
+from jaximpact.laws import FluidityRate
 from jaximpact.quantities import INPUT_COLUMNS
 
 pytestmark = pytest.mark.slow
@@ -190,6 +193,50 @@ def test_a_slope_that_the_new_table_knows():
     assert study.nuisances == ()
     with pytest.raises(InputError, match="has no column slope_deg"):
         study_and_variant({"angle_deg": [30]}, SLOPE | {"added": True})
+
+
+def test_a_nuisance_without_a_column_is_where_its_prior_is():
+    """For the range of the fitted tests and the distance from them."""
+    slope = {"by": "row", "prior": {"mean": 40.0, "sd": 5.0}, "added": False}
+    ground = ground_of({"angle_deg": slope}, variant_of(("c_v",), np.ones((2, 1))))
+    ground = ground._replace(ranges={"angle_deg": (40.0, 40.0)})
+
+    def of(columns):
+        return held_out_study(ground, joined_tables((table_given(columns),)))
+
+    unknown, known = of({"mass_kg": [9.0]}), of({"angle_deg": [10.0, 40.0]})
+    assert _outside(ground, unknown) == []
+    (outside,) = _outside(ground, known)
+    np.testing.assert_array_equal((*outside.tests, *outside.values), (0, 10.0))
+    angles = [places_of(s.tests, s.stated)[-1, 2] for s in (unknown, known)]
+    assert angles[0] == angles[1] != 0.0
+
+
+def test_new_tests_are_on_the_ground_of_the_fitted_ones():
+    """What all fitted tests share, if it is said nowhere else; and the fit's laws."""
+    ground = ground_of({}, variant_of(("c_v",), np.ones((2, 1))))
+    ranges = {"dilatancy": 1.0, "k_E": 300.0, "c_v": 3.0, "psi": 0.33, "mass_kg": 7.0}
+    ranges = {name: (value, value) for name, value in ranges.items()}
+    ground = ground._replace(ranges=ranges, soil={"k_E": 700.0})
+
+    def inputs(columns, ground=ground):
+        tests = joined_tables((table_given({"angle_deg": [10.0]} | columns),))
+        return held_out_study(ground, tests).tests.inputs
+
+    assert inputs({}) == {"angle_deg": 10.0, "dilatancy": 1.0}
+    assert inputs({"dilatancy": [0.5]})["dilatancy"] == 0.5
+    assert inputs({"flow": ["Perzyna"]})["dilatancy"] == 1.0
+    with pytest.raises(InputError, match=r"flow: is FluidityRate, .* with Perzyna"):
+        inputs({"flow": ["FluidityRate"]})
+    laws = {"flow": FluidityRate()}
+    other = variant_of(("c_v",), np.ones((2, 1)), variant=Variant("other", {}, laws))
+    both = ground._replace(variants=(*ground.variants, other))
+    assert inputs({}, both)["dilatancy"] == 1.0
+    with pytest.raises(InputError, match=r"flow: is Perzyna, .* with FluidityRate"):
+        inputs({"flow": ["Perzyna"]}, both)
+    differs = ground._replace(ranges={"dilatancy": (0.0, 1.0)})
+    with pytest.raises(InputError, match="no column dilatancy, which is 0 to 1 in the"):
+        inputs({}, differs)
 
 
 def test_scatter_as_the_fit_states_it():

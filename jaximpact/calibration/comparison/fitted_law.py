@@ -262,7 +262,7 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
     deviation, apart = np.sqrt(sigma**2 + variance), np.zeros(predicted.shape)
     of_apart = 1.0
     if fitted.discrepancy is not None:
-        apart = fitted.discrepancy.deviation(study.tests, study.soil, predicted)
+        apart = fitted.discrepancy.deviation(study.tests, study.stated, predicted)
         of_apart = fitted.discrepancy.freedom
     freedom = freedom_of_sum(deviation, fitted.freedom, apart, of_apart)
     return LawPrediction(

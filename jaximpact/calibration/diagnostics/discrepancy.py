@@ -107,7 +107,7 @@ def estimate_discrepancy(
         objective: objective with the sigmas of the fit.
     """
     study = objective.study
-    places = places_of(study.tests, study.soil)
+    places = places_of(study.tests, study.stated)
     groups = thirds(places, np.any(study.exact, axis=1))
     if not groups:
         return None

@@ -155,6 +155,13 @@ class Study:
         Gaussian, and no target has a weight."""
         return self.loss == LOSSES[0] and bool(np.all(self.weights == 1.0))
 
+    @property
+    def stated(self) -> dict[str, float]:
+        """Values that no table has: those held, and of nuisance parameters that are the
+        value itself the mean of their prior."""
+        meant = {n.name: n.prior.mean for n in self.nuisances if not n.pooled}
+        return self.soil | meant
+
     def each_test(self) -> tuple[np.ndarray, np.ndarray]:
         """Find the tests with a measurement, the points of a curve as one: the index
         among them of each row, -1 without any, and the first row of each."""

@@ -35,8 +35,8 @@ from .comparison import comparison_csv, comparison_json
 COMPARISON = "comparison.csv"
 """Name of the table of a comparison of laws."""
 CSV_COLUMNS = (
-    *("variant", "row", "file", "target", "limit", "measured", "sigma", "fitted"),
-    *("residual", "standardised", "model_low", "model_high", "low", "high"),
+    *("variant", "row", "file", "test", "target", "limit", "measured", "sigma"),
+    *("fitted", "residual", "standardised", "model_low", "model_high", "low", "high"),
     *("left_out", "left_out_deviation"),
 )
 SUGGESTED = (
@@ -101,12 +101,12 @@ def _posterior_names(study: Study) -> list[str]:
 def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
     """Write fitted.csv: a line for each variant, and each measurement of the tests.
 
-    `row` counts the tests from 1, over all files; `limit` is `>` or `<` where only a
-    limit is known. `residual` is fitted less measured, `standardised` the same in units
-    of its standard deviation. `model_low` and `model_high` include 95 % of the model's
-    values for the parameters that the tests allow, `low` and `high` 95 % of such
-    measurements. `left_out` is predicted by the fit to the other tests, with a standard
-    deviation.
+    `row` is that of the file, whose header is row 1; `test` is the name of the test,
+    with the time of a force. `limit` is `>` or `<` where only a limit is known.
+    `residual` is fitted less measured, `standardised` the same in units of its standard
+    deviation. `model_low` and `model_high` include 95 % of the model's values for the
+    parameters that the tests allow, `low` and `high` 95 % of such measurements.
+    `left_out` is predicted by the fit to the other tests, with a standard deviation.
     """
     study, rows = result.study, []
     for variant, diagnostics in zip(result.variants, examined, strict=True):
@@ -120,12 +120,12 @@ def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
         columns += nothing if left is None else [left.predicted, left.deviation]
         rows += [
             (
-                *(variant.variant.name, row + 1),
-                study.tests.place(int(row))[0].name,
+                *(variant.variant.name, line, path.name, study.tests.name(row)),
                 *(study.targets[target], LIMITS[int(study.censored[row, target])]),
                 *(column[row, target] for column in columns),
             )
             for row, target in zip(*np.nonzero(study.known), strict=True)
+            for path, line in [study.tests.place(row)]
         ]
     return Table(CSV_COLUMNS, rows)
 
@@ -192,7 +192,7 @@ def _fitted_tests(study: Study) -> dict:
             "standard_deviation": np.std(exact, ddof=1) if len(exact) > 1 else None,
         }
     group, measured = study.each_test()
-    columns = study.tests.columns(study.soil)
+    columns = study.tests.columns(study.stated)
     columns = {name: values[group >= 0] for name, values in columns.items()}
     shapes = itertools.compress(study.tests.shapes, group >= 0)
     return {

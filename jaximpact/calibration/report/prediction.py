@@ -188,8 +188,7 @@ def _about_undetermined(
 
 
 def _about_outside(prediction: PredictedTests, outside: Outside) -> str:
-    values = prediction.tests.columns(prediction.ground.soil)[outside.column]
-    beyond = values[outside.tests]
+    beyond = outside.values
     fitted = f"{outside.low:g} to {outside.high:g}"
     if outside.low == outside.high:
         fitted = f"{outside.low:g} alone"
@@ -317,6 +316,7 @@ def simple_table(prediction: PredictedTests) -> Table:
 def prediction_table(prediction: PredictedTests) -> Table:
     """Write a line for each variant, test and target.
 
+    `row` is that of the file, whose header is row 1, and `test` the name of the test.
     `predicted` is the median of a measurement, `low_` and `high_` are the ends of its
     50 % and 95 % intervals, `model_low` and `model_high` those of 95 % of the model's
     values without scatter. `limit` is `>` or `<` where only a limit is known, and
@@ -338,7 +338,8 @@ def prediction_table(prediction: PredictedTests) -> Table:
         )
         rows += [
             (
-                *(variant.fitted.variant.name, test + 1, prediction.tests.name(test)),
+                *(variant.fitted.variant.name, prediction.tests.place(test)[1]),
+                prediction.tests.name(test),
                 *(variant.outcomes[test], float(variant.outcome_share[test])),
                 prediction.targets[target],
                 LIMITS[int(prediction.censored[test, target])],
@@ -371,7 +372,10 @@ def as_json(prediction: PredictedTests) -> dict:
             for law in prediction.simple
         },
         "outside": {
-            one.column: {"fitted": [one.low, one.high], "rows": one.tests + 1}
+            one.column: {
+                "fitted": [one.low, one.high],
+                "rows": [prediction.tests.place(test)[1] for test in one.tests],
+            }
             for one in prediction.outside
         },
         "shapes_not_fitted": prediction.new_shapes,
