@@ -220,7 +220,7 @@ class Calibration:
         for name in (first, second):
             check_choice("parameter", name, of.profiles)
         pair = [of.names.index(name) for name in (first, second)]
-        return self._plotted("draw_pair", [of, examined.posterior, *pair], path, ax)
+        return self._plotted("draw_pair", [of, examined, *pair], path, ax)
 
     def _plotted(self, drawing: str, of: list, path, ax):
         from ..plotting.style import plotted

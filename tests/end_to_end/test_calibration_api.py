@@ -181,6 +181,10 @@ def test_tables_of_a_fit(found):
     dataset = found.to_xarray()
     np.testing.assert_array_equal(dataset.fitted, variant.predicted)
     np.testing.assert_array_equal(dataset.draws.sel(parameter="c_v"), draws["c_v"])
+    # With every estimated sigma uncertain, as in fit.json, which has six digits of them
+    weights = found.as_json()["variants"][0]["draws"]["weights"]
+    for same in (draws["weight"], dataset.weight):
+        np.testing.assert_allclose(same, weights, rtol=1e-5)
     with pytest.raises(InputError, match="did you mean parameters"):
         found.to_dataframe("parameter")
 

@@ -24,9 +24,10 @@ from ...plotting.style import (
 from ...quantities import TARGET_COLUMNS, InputColumn, columns_of
 from ..comparison.comparison import Compared
 from ..diagnostics.cross_validation import LeftOut
+from ..diagnostics.examination import Examination
 from ..diagnostics.further_tests import Suggestions
 from ..diagnostics.identifiability import LikelihoodProfile
-from ..diagnostics.posterior import Draws, root_of
+from ..diagnostics.posterior import root_of
 from ..diagnostics.predictive import Bands
 from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
@@ -299,14 +300,18 @@ def _scale(axes: Axes, which: str, low: float, high: float, logarithmic: bool) -
 
 @in_style
 def draw_pair(
-    variant: VariantResult, draws: Draws, first: int, second: int, on: On = None
+    variant: VariantResult,
+    diagnostics: Examination,
+    first: int,
+    second: int,
+    on: On = None,
 ) -> Figure:
     """Draw two parameters of the posterior and, where both are identifiable, the 95 %
     ellipse of the covariance."""
     figure, axes = _panel(on)
-    bounds, pair = variant.bounds, [first, second]
+    bounds, pair, draws = variant.bounds, [first, second], diagnostics.posterior
     random = np.random.default_rng(0)
-    chosen = random.choice(len(draws.x), 400, p=draws.weights)
+    chosen = random.choice(len(draws.x), 400, p=diagnostics.weights)
     values = bounds.parameter(draws.x[chosen])[:, pair]
     axes.plot(*values.T, "o", color=BLUE, markersize=3, alpha=0.3, mec="none")
     covariance = variant.uncertainty.covariance[np.ix_(pair, pair)]

@@ -92,7 +92,7 @@ def _draws(fit: Fit) -> "pd.DataFrame":
     draws = diagnostics.posterior
     values = variant.bounds.parameter(draws.x)
     frame = pd.DataFrame(values, columns=variant.names).rename_axis(index="draw")
-    return frame.assign(weight=draws.weights)
+    return frame.assign(weight=diagnostics.weights)
 
 
 def _residuals(fit: Fit) -> "pd.DataFrame":
@@ -128,7 +128,7 @@ def dataset_of(fit: Fit) -> "xr.Dataset":
             "standard_error": ("parameter", errors),
             "covariance": (("parameter", "with"), _covariance(fit).to_numpy()),
             "draws": (("draw", "parameter"), variant.bounds.parameter(draws.x)),
-            "weight": ("draw", draws.weights),
+            "weight": ("draw", diagnostics.weights),
             "measured": (cells, study.measured),
             "fitted": (cells, variant.predicted),
             "sigma": (cells, variant.sigma),
@@ -147,8 +147,9 @@ def dataset_of(fit: Fit) -> "xr.Dataset":
 
 def dataset_of_predictions(prediction: PredictedTests) -> "xr.Dataset":
     """Make a dataset of predictions over variants, tests and targets."""
-    frame = prediction_table(prediction).frame().drop(columns=["test", "outside"])
-    frame = frame.rename(columns={"row": "test"})
+    frame = prediction_table(prediction).frame().drop(columns=["row", "outside"])
+    _, number, _ = np.indices((len(prediction.variants), *prediction.measured.shape))
+    frame = frame.assign(test=1 + number.ravel())
     dataset = frame.set_index(["variant", "test", "target"]).to_xarray()
     return _with_tests(dataset, prediction.tests)
 

@@ -150,7 +150,7 @@ def _sections(
 def _parameters(
     variant: VariantResult, diagnostics: Examination, result: StudyResult
 ) -> list[Part]:
-    names, draws = variant.names, diagnostics.draws
+    names = variant.names
     profiles = [
         Picture(
             partial(drawings.draw_profile, variant, profile),
@@ -162,7 +162,7 @@ def _parameters(
     ]
     pairs = [
         Picture(
-            partial(drawings.draw_pair, variant, draws, a, b),
+            partial(drawings.draw_pair, variant, diagnostics, a, b),
             f"{names[b]} over {names[a]}",
             "Dots: draws of the posterior. Cross: best fit. Line, where both are "
             "identifiable: 95 % by the covariance.",
@@ -181,7 +181,7 @@ def _parameters(
             [
                 parameters.correlation_table(variant),
                 pairs,
-                parameters.about_draws(result, variant, draws),
+                parameters.about_draws(result, variant, diagnostics.draws),
             ],
         ),
         ReportSection("Posterior", parameters.about_posterior(variant, diagnostics)),
