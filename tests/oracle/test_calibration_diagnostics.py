@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from calibrated_twin import results_of_model
 from calibration_studies import Linear, fit, objective_of, study_of_columns
+from calibration_studies import fitted as settled
 from error_messages import assert_one_line_error
 from scipy.stats import binomtest, lognorm, truncnorm, ttest_1samp
 from scipy.stats import t as student
@@ -284,6 +285,38 @@ def test_left_out_of_a_line():
     np.testing.assert_allclose(found.x, exact, rtol=0.0, atol=1e-2 * SIGMA)
 
 
+class Bent(Linear):
+    """The first unknown, plus the square of each test's own."""
+
+    def _predict(self, x, derivatives):
+        own, count = x[:, 1:], x.shape[1]
+        jacobian = np.zeros((*own.shape, 1, count))
+        jacobian[..., 0] = 1.0
+        for test in range(count - 1):
+            jacobian[:, test, 0, 1 + test] = 2.0 * own[:, test]
+        return (x[:, :1] + own**2)[:, :, None], np.zeros(own.shape), jacobian
+
+
+def test_a_test_left_out_has_its_own_unknown_where_the_prior_is():
+    """And not where the model, taken as linear over all the way there, would be."""
+    measured = 0.2 + np.array([0.5, 0.9, 1.4, 2.0]) ** 2
+    study = study_of_columns(
+        {"e_n": measured, "orientation_deg": np.zeros(4)},
+        parameters={"c_v": {"start": 1.0, "lower": 1e-3, "upper": 1e3}},
+        nuisance={"orientation_deg": {"by": "row", "prior": {"mean": 0.0, "sd": 1.0}}},
+        default_sigma={"e_n": SIGMA},
+    )
+    objective = Bent(study, matrix=np.zeros((4, 5)))
+    points = fit(objective, np.array([[0.2, 0.5, 0.9, 1.4, 2.0]])).points
+    found = leave_out_each(objective, points, estimate(objective, points))
+    for test in range(4):
+        # A fit to the rest ends a twentieth of a standard error from its minimum, times
+        # the root of the reduced chi-square.
+        assert abs(found.x[test, 1 + test]) < 0.1
+        own = found.x[test, 1 + test] ** 2
+        assert found.predicted[test, 0] == pytest.approx(found.x[test, 0] + own)
+
+
 def test_of_many_only_the_most_telling_are_fitted(monkeypatch):
     """For the others a Gauss-Newton step stands, which for a line is as good."""
     made = []
@@ -427,6 +460,39 @@ def test_a_profile_and_a_standard_error_of_a_line_agree():
         expected = points.x[0, place] + errors[place] * np.array([-1.0, 1.0])
         # Costs of profiles are those of fits to a tenth of a standard error.
         np.testing.assert_allclose(ends, expected, atol=0.01 * errors[place])
+
+
+class Root(Linear):
+    """A root of the unknown, on which few measurements leave much doubt."""
+
+    def _predict(self, x, derivatives):
+        value = np.sqrt(3.0 + x)[:, :, None] * np.ones((1, len(self.matrix), 1))
+        jacobian = np.zeros((*value.shape, 1))
+        jacobian[..., 0] = 0.5 / value
+        return value, np.zeros(value.shape[:2]), jacobian
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_a_profile_of_few_measurements_ends_where_the_likelihood_does(count):
+    """Of Student's quantiles of 12.7, 4.3 and 3.2, in closed form."""
+    measured = np.array([1.55, 1.65, 1.7, 1.72])[:count]
+    study = study_of_columns(
+        {"e_n": measured},
+        parameters={"c_v": {"start": 1.0, "lower": 0.06, "upper": 1e3}},
+    )
+    objective, fits = settled(Root(study, matrix=np.ones((count, 1))))
+    points = fits.points
+    uncertainty = estimate(objective, points)
+    (profile,) = profile_all(objective, points, uncertainty)
+    middle = np.mean(measured)
+    apart = uncertainty.quantile[0] * np.std(measured, ddof=1) / np.sqrt(count)
+    assert uncertainty.quantile[0] == pytest.approx(student.ppf(0.975, count - 1))
+    ends = (middle + apart * np.array([-1.0, 1.0])) ** 2 - 3.0
+    # A part of the half width: interpolation between points 1.5 times as far.
+    width = 0.02 * np.ptp(ends)
+    np.testing.assert_allclose(
+        np.log([profile.low_95, profile.high_95]), ends, atol=width
+    )
 
 
 # --- Design, of linear models whose best designs are known. ---

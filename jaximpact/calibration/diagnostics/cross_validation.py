@@ -11,7 +11,7 @@ is the same fraction of what the rest predicts. Impacts are computed at "balance
 their errors are small beside the sigmas.
 
 One Gauss-Newton step from the best fit replaces the fit to the rest where it is less
-than a fifth of a standard error of every soil parameter; where more than `AT_MOST`
+than a fifth of a standard error of every unknown; where more than `AT_MOST`
 tests move the fit farther, also for those of them that move it least.
 """
 
@@ -100,8 +100,8 @@ def leave_out_each(
     group, measured = study.each_test()
     each = group == np.arange(len(measured))[:, None]
     steps = linearised(objective, points, each)
-    soil = len(study.parameters)
-    far = np.max(np.abs(steps / uncertainty.standard_errors)[:, :soil], axis=1)
+    # A nuisance parameter of the test alone goes all the way to its prior.
+    far = np.max(np.abs(steps / uncertainty.standard_errors), axis=1)
     fitted = far > SMALL_STEP
     fitted[np.argsort(-far, kind="stable")[at_most:]] = False
     steps[fitted] = np.nan

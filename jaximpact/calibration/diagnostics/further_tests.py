@@ -287,13 +287,13 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
 
 
 def _common(fitted: VariantResult) -> dict[str, float]:
-    """Compute the median of each stated quantity of the tests with a measurement,
-    nuisances as fitted."""
+    """Compute the median of each stated quantity of the tests with a measurement, a
+    curve as one; nuisances as fitted."""
     study = fitted.objective.study
     known = columns_of(fitted.objective.scene)
     soil, inputs = study.soil | fitted.variant.soil, study.tests.inputs
     values = {name: value for name, value in soil.items() if name in known}
-    measured = study.each_test()[0] >= 0
+    _, measured = study.each_test()
     values |= {
         n: float(np.median(v[measured])) for n, v in inputs.items() if n in known
     }

@@ -27,8 +27,11 @@ from ..problem.objective import Objective, Points
 from .priors import Disagreement
 from .uncertainty import USELESS_ERROR, Uncertainty
 
-NEAR = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
-"""Points about the best fit at which a parameter is fixed, in standard errors."""
+NEAR = (1.0, 2.0, 3.0)
+"""Distances from the best fit at which a parameter is fixed, in standard errors."""
+FARTHER = 1.5
+"""Ratio of further such distances, up to beyond the 95 % interval, which is wide where
+a sigma is estimated from few measurements."""
 GRID = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
 """Fractions of its range at which a parameter is fixed too where its 95 % interval
 extends beyond these points."""
@@ -82,8 +85,10 @@ def profile_all(
     best_cost, unfixed = rough.values(best[None]).cost, np.array([-1])
     fits = _Fixed(best[None], best_cost, unfixed, np.zeros(1, bool))
     low, high = rough.bounds.low, rough.bounds.high
-    near = (best + np.array(NEAR)[:, None] * errors)[:, :count].T
-    values = [x[(x > low[i]) & (x < high[i])] for i, x in enumerate(near)]
+    values = []
+    for i in range(count):
+        x = best[i] + errors[i] * _distances(uncertainty.quantile[i])
+        values.append(x[(x > low[i]) & (x < high[i])])
     widened = np.zeros(count, bool)
     while True:
         fits = _fit_at(rough, fits, values, follow)
@@ -100,6 +105,15 @@ def profile_all(
         values = [grid[:, i] if wide[i] else grid[:0, i] for i in range(count)]
         widened |= wide
     return [_profile(objective, index, fits, uncertainty) for index in range(count)]
+
+
+def _distances(quantile: float) -> np.ndarray:
+    """List the distances from the best fit, to either side, for a 95 % interval of so
+    many standard errors."""
+    distances = [*NEAR]
+    while distances[-1] < quantile:
+        distances.append(FARTHER * distances[-1])
+    return np.array([*(-d for d in reversed(distances)), *distances])
 
 
 class _Fixed(NamedTuple):
