@@ -172,7 +172,7 @@ def study_given(
     parameters: dict[str, dict] = {}
     for name, entry in fit.items():
         expect(f"fit of {name}", entry, Mapping)
-        start = of_ground.values.get(name)
+        start = None if "expression" in entry else of_ground.values.get(name)
         if start == 0.0 and "start" in DEFAULTS.get(name, {}):
             start = None  # a ground without cohesion is no place to start from
         parameters[name] = ({} if start is None else {"start": start}) | dict(entry)

@@ -1,13 +1,18 @@
 """Measurements as people have them: campaigns, gaps, limits, outliers, and quantities
 that nobody measured."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from calibration_studies import fitted, objective_of, study_of_columns
 from scipy.integrate import quad
 from scipy.stats import norm
 
+from jaximpact import Soil
 from jaximpact.calibration import fit_study, read_study
+from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.diagnostics.further_tests import _common
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.problem.noise import (
     LOSSES,
@@ -17,6 +22,7 @@ from jaximpact.calibration.problem.noise import (
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
 from jaximpact.calibration.report.contents import about
+from jaximpact.errors import InputError
 
 U = np.linspace(-6.0, 6.0, 25)
 TESTS = {
@@ -182,6 +188,40 @@ def test_limits_in_the_file_of_a_curve_are_limits(tmp_path):
     force = study.targets.index("normal_force_N")
     np.testing.assert_array_equal(study.censored[:, force], [0, 0, 1, 0])
     np.testing.assert_array_equal(study.censored[:, 1 - force], [-1, 0, 0, 0])
+    # Its points are no tests in which something else was not measured.
+    np.testing.assert_array_equal(study.comparable[:, force], [False, *[True] * 3])
+    np.testing.assert_array_equal(study.comparable[:, 1 - force], [True, *[False] * 3])
+    alone = study_given(tmp_path / "tests.csv", targets=["e_n"])
+    np.testing.assert_array_equal(alone.comparable[:, 0], [True, False, False, False])
+
+
+def test_a_point_of_a_curve_needs_its_time(tmp_path):
+    (tmp_path / "a.csv").write_text("time_s,normal_force_N\n0.001,2e4\n,3e4\n")
+    (tmp_path / "tests.csv").write_text("force_curve,speed_mps\na.csv,5\n")
+    with pytest.raises(InputError, match=r"a\.csv, row 3, column time_s: is empty"):
+        read_study(tmp_path / "tests.csv")
+
+
+def test_the_middle_of_the_tests_has_a_curve_once(tmp_path):
+    """Where further tests are looked for, however many points it has."""
+    curve = "".join(f"{0.001 * k},{1e3 * k}\n" for k in range(1, 40))
+    (tmp_path / "a.csv").write_text(f"time_s,normal_force_N\n{curve}")
+    rows = "a.csv,900,\n,100,0.2\n,200,0.3\n"
+    (tmp_path / "tests.csv").write_text(f"force_curve,mass_kg,e_n\n{rows}")
+    study = read_study(tmp_path / "tests.csv")
+    objective = objective_of(study)
+    fitted = SimpleNamespace(
+        objective=objective, variant=study.variants[0], parameters=np.ones(9)
+    )
+    assert _common(fitted)["mass_kg"] == 200.0
+
+
+def test_a_parameter_that_follows_others_has_no_start_of_the_ground():
+    tests = {"mass_kg": [1.0, 2.0], "e_n": [0.1, 0.2]}
+    fit = {"gamma_v": {}, "k_E": {"expression": "100 * gamma_v"}}
+    study = study_given(tests, fit=fit, ground=Soil(k_E=300.0, gamma_v=5.0))
+    assert [tied.name for tied in study.tied] == ["k_E"]
+    assert study.parameters[0].start == 5.0
 
 
 @pytest.mark.slow

@@ -135,9 +135,11 @@ class Study:
     @property
     def comparable(self) -> np.ndarray:
         """Mask of what a test can have measured, shape (tests, targets): forces at a
-        time where it has one, else the other targets."""
-        timed = self.tests.at_times(self.targets)
-        return timed[:, None] == np.isin(self.targets, [*CURVE_COLUMNS])
+        time where it has one, else the other targets, but for points of a curve."""
+        timed, first = self.tests.at_times(self.targets), self.tests.first_of_row
+        there = timed | (first == np.arange(len(first)))
+        of_curve = np.isin(self.targets, [*CURVE_COLUMNS])
+        return there[:, None] & (timed[:, None] == of_curve)
 
     @property
     def known(self) -> np.ndarray:

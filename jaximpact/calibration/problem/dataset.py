@@ -367,6 +367,13 @@ def _read_curve(table: SceneTable, row: int, name: str) -> SceneTable:
         raise InputError(
             f"must have {TIME_COLUMN} and {' or '.join(CURVE_COLUMNS)}", file=path
         )
+    for point in np.flatnonzero(~np.isfinite(curve.numbers[TIME_COLUMN]))[:1]:
+        raise InputError(
+            "is empty, but the point of a curve needs its time since first touch",
+            file=path,
+            row=int(curve.lines[point]),
+            column=TIME_COLUMN,
+        )
     return curve
 
 
