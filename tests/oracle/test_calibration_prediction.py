@@ -1,6 +1,7 @@
 """Predictive distributions and their scores; coverage over repeated fits."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -34,6 +35,7 @@ from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.problem.fitted_parameters import Parameter
 from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
+from jaximpact.calibration.report.prediction import _about_groups
 from jaximpact.calibration.study import best_fit
 from jaximpact.errors import InputError
 from jaximpact.laws import FluidityRate
@@ -168,6 +170,18 @@ def test_groups_known_and_new():
     # 2000 draws: mean to 0.09, standard deviation to 0.06.
     assert np.mean(draws[:, 2]) == pytest.approx(25.0, abs=0.4)
     assert np.std(draws[:, 2]) == pytest.approx(4.0, abs=0.3)
+
+
+def test_groups_that_the_fit_does_not_know_are_named():
+    columns = {"campaign": ["north", "nroth", "nroth"], "angle_deg": [30, 30, 30]}
+    study, variant = study_and_variant(columns)
+    found = SimpleNamespace(ground=ground_of({"slope_deg": SLOPE}, variant))
+    found.tests = study.tests
+    assert _about_groups(found) == [
+        "The fit knows no campaign nroth: there slope_deg is sampled from its prior."
+    ]
+    found.tests = joined_tables((table_given({"campaign": ["north"]}),))
+    assert _about_groups(found) == []
 
 
 def test_one_draw_with_all_the_weight_leaves_a_new_group_its_prior():

@@ -21,7 +21,7 @@ from jaximpact.calibration.problem.noise import (
     true_curvature,
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
-from jaximpact.calibration.report.contents import about
+from jaximpact.calibration.report.contents import _fixed_quantities, about
 from jaximpact.errors import InputError
 
 U = np.linspace(-6.0, 6.0, 25)
@@ -222,6 +222,13 @@ def test_a_parameter_that_follows_others_has_no_start_of_the_ground():
     study = study_given(tests, fit=fit, ground=Soil(k_E=300.0, gamma_v=5.0))
     assert [tied.name for tied in study.tied] == ["k_E"]
     assert study.parameters[0].start == 5.0
+
+
+def test_the_ground_of_the_table_is_in_the_head():
+    tests = {"speed_mps": [5.0, 9.0], "e_n": [0.1, 0.2], "psi": 0.5}
+    study = study_of_columns(tests | {"dilatancy": [0.0, 1.0]}, soil={"beta": 0.8})
+    told = _fixed_quantities(study)
+    assert "Table 1 but for beta 0.8, psi 0.5, dilatancy 0 to 1." in told
 
 
 @pytest.mark.slow

@@ -134,7 +134,8 @@ def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
     """Find the columns of the scene that differ among the tests by more than
     rounding."""
     inputs = objective.study.tests.inputs.items()
-    ranges = {name: (np.nanmin(v), np.nanmax(v), v) for name, v in inputs}
+    there = ((name, v) for name, v in inputs if np.any(np.isfinite(v)))
+    ranges = {name: (np.nanmin(v), np.nanmax(v), v) for name, v in there}
     return {
         name: v
         for name, (low, high, v) in ranges.items()

@@ -145,10 +145,20 @@ def _fixed_quantities(study: Study) -> str:
         if name not in INPUT_COLUMNS
         or not np.isclose(value, INPUT_COLUMNS[name].default, rtol=1e-12)
     ]
+    other += [
+        f"{name} {_range(study.tests.inputs[name])}"
+        for name, column in study.tests.known_columns.items()
+        if column.part == "soil" and name in study.tests.inputs
+    ]
     words = f"Ground: Table 1{' but for ' + ', '.join(other) if other else ''}."
     if shape is not None:
         words = f"Shape: {type(shape).__name__}. {words}"
     return f"{study.tests.missing_in_words(fitted)} {words}".lstrip()
+
+
+def _range(values: np.ndarray) -> str:
+    low, high = np.min(values), np.max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
 def variant_table(result: StudyResult) -> Table:

@@ -43,6 +43,7 @@ def prediction_report(prediction: PredictedTests) -> Document:
             f"No fitted test has a block of the shape {shape}."
             for shape in prediction.new_shapes
         ),
+        *_about_groups(prediction),
     ]
     scored = {}
     for variant in prediction.variants:
@@ -199,6 +200,22 @@ def _about_outside(prediction: PredictedTests, outside: Outside) -> str:
         f"Outside the fitted tests: {outside.column} {where} (fitted: {fitted}) in "
         f"{_named(prediction, outside.tests)}."
     )
+
+
+def _about_groups(prediction: PredictedTests) -> list[str]:
+    """Name the groups of nuisance parameters that the fit does not know: a typing error
+    makes a new group."""
+    ground, lines = prediction.ground, []
+    for name, entry in ground.nuisances.items():
+        groups = dict.fromkeys(prediction.tests.files[0].labels.get(entry["by"], ()))
+        fitted = ground.variants[0].unknowns
+        if new := [group for group in groups if f"{name}[{group}]" not in fitted]:
+            more = " and more" if len(new) > MOST_NAMES else ""
+            lines.append(
+                f"The fit knows no {entry['by']} {', '.join(new[:MOST_NAMES])}{more}: "
+                f"there {name} is sampled from its prior."
+            )
+    return lines
 
 
 def _named(prediction: PredictedTests, tests: np.ndarray) -> str:

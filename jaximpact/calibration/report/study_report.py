@@ -215,7 +215,7 @@ def _residuals(
     )
     return [
         "Measured less fitted over the standard deviation, studentised: each over the "
-        "root of 1 - leverage.",
+        "root of 1 - leverage. A bias is the mean of fitted less measured.",
         contents.bias_table(studentised),
         residuals.in_words(studentised, variant.objective),
         pictures,
