@@ -85,6 +85,9 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     ends = np.where(np.isfinite(ends), ends, all_of.x_stop)
     passes = (all_of.x_start >= x) != (ends >= x)
     chosen, trajectory = select(all_of, passes), trajectory[passes]
+    if not len(trajectory):
+        # Of mixed shapes none would be left to compute by.
+        return Passages(trajectory, *np.empty((len(Passages._fields) - 1, 0)))
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
     release = runs.release
     passed = shape_by_shape(
