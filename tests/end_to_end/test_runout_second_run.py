@@ -3,6 +3,7 @@ impacts that says why it is there."""
 
 import dataclasses
 import json
+import re
 
 import jax
 import numpy as np
@@ -26,6 +27,8 @@ from jaximpact.runout import (
 )
 from jaximpact.runout.study.ground_file import GroundInput
 from jaximpact.runout.study.intervals import is_apart
+from jaximpact.runout.study.report_page import slope_report
+from jaximpact.runout.study.run_study import simulate as simulate_blocks
 from jaximpact.runout.study.second_run import LEFT_OUT, OTHER_LAW, PREFIX, ROUND
 from jaximpact.scene import Scene
 
@@ -211,6 +214,16 @@ def test_numbers_that_differ_are_marked_wherever_they_stand(folder, capsys):
             for run in ("", "second_run_")
         ]
         assert (row in marked) == is_apart(*ends)
+
+
+def test_inputs_in_the_report_are_no_results(both):
+    study, dataset = both
+    page = slope_report(study, dataset, simulate_blocks(study, np.arange(3))).page()
+    start = page.index("Blocks and releases")
+    inputs = page[start : page.index("Ground along the profile", start)]
+    cells = re.findall(r"<td[^>]*>([\w ]+)<", inputs)
+    assert {"mass_kg", "aspect_ratio", "release_y_m"} <= {*cells}
+    assert not [cell for cell in cells if cell.startswith((PREFIX, "max_", "impacts"))]
 
 
 def test_the_second_run_can_be_left_out(folder, capsys):

@@ -391,7 +391,7 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
     codes = rows[:, 0].astype(int)
     endings = np.array([str(ending) for ending in Ending])[codes]
     variables: Variables = {"ending": ("block", endings, {"long_name": "ending"})}
-    variables |= _inputs_of(study.release) | _ground_of(study)
+    variables |= inputs_of(study)
     for i, (name, about) in enumerate(BLOCK_NUMBERS.items(), 1):
         variables[name] = _variable("block", of_blocks[:, i], *about)
     valid, collectors = codes != Ending.failed, study.settings.collectors
@@ -487,7 +487,13 @@ def _passages(first: dict[str, np.ndarray], valid: np.ndarray) -> Variables:
     return variables
 
 
-def _inputs_of(release: Release) -> Variables:
+def inputs_of(study: SlopeStudy) -> Variables:
+    """List what each block gets: samples of blocks, releases and ground, in the units
+    of their names."""
+    return _releases_of(study.release) | _ground_of(study)
+
+
+def _releases_of(release: Release) -> Variables:
     """List the samples of blocks and releases, in the units of their names."""
     shape = release.block.shape
     is_mixed = isinstance(shape, MixedShapes)
