@@ -7,8 +7,12 @@ import subprocess
 
 import numpy as np
 import pytest
+from slope_study import FAR
 
 from jaximpact.reports.document import Document, ReportSection
+from jaximpact.runout import read_slope_study, run_slope_study
+from jaximpact.runout.study.report_page import slope_report
+from jaximpact.runout.study.run_study import simulate
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
@@ -56,6 +60,20 @@ def test_the_slider_shows_the_blocks_in_a_bin(slope_results, tmp_path, place):
     assert shown.count("<polyline") == 3
     assert re.search(r"<text [^>]*>upper, fence</text>", shown)
     assert re.search(r"<text [^>]*>x = 60 m</text>", shown)
+
+
+def test_a_bin_in_national_coordinates(tmp_path):
+    path, page = tmp_path / "far.toml", tmp_path / "report.html"
+    path.write_text(FAR)
+    study = read_slope_study(path)
+    dataset = run_slope_study(study)
+    page.write_text(slope_report(study, dataset, simulate(study, np.arange(3))).page())
+    shown = browse(page, tmp_path, "--dump-dom", place=2600029.0)
+    where = re.search(r'<strong id="where">(.*?)</strong>', shown)[1]
+    here = dataset.sel(bin=2600029.0, method="nearest")
+    count = int(here.blocks_in_bin)
+    ends = "x from 2600014.6 to 2600029.2 m"
+    assert where == f"{ends}: {count} of 20 blocks come there"
 
 
 def test_what_is_folded_is_printed(tmp_path):
