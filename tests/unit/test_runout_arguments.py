@@ -36,6 +36,13 @@ def runs():
     return simulate_runout(PROFILE, RELEASE, LAW)
 
 
+def test_profiles_and_releases_show_national_coordinates():
+    profile = Profile([2600000.0, 2600730.5], [1520.0, 1400.0])
+    release = Release(Block(mass=[100.0, 100.0]), [2600001.25, 2600002.5], 1521.0)
+    assert "2600000 to 2600730.5" in repr(profile)
+    assert "2600001.2 to 2600002.5" in repr(release)
+
+
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_a_law_has_parameters_for_each_block(count):
     law = ConstantCoefficients(np.full(count, 0.3), 0.8)

@@ -38,8 +38,8 @@ def check_release(release: Release, profile: Profile) -> None:
     if np.any(outside):
         i = int(np.argmax(outside))
         raise ValueError(
-            f"block {i} is released at x = {release.x[i]:g}, but the profile goes from "
-            f"{profile.x[0]:g} to {profile.x[-1]:g}"
+            f"block {i} is released at x = {release.x[i]:.10g}, but the profile goes "
+            f"from {profile.x[0]:.10g} to {profile.x[-1]:.10g}"
         )
     body, outline = release.body, release.outline
     _check_resolution(release, outline.smallest, profile)
