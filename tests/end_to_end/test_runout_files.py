@@ -286,6 +286,19 @@ def test_curves_of_the_page_are_those_of_the_blocks(slope_results):
         )
 
 
+def test_the_page_names_pictures_that_there_are(slope_results, tmp_path):
+    with_collectors = (slope_results[0] / "report.html").read_text(encoding="utf-8")
+    assert "collectors.png and envelopes.png" in with_collectors
+    (tmp_path / "far.toml").write_text(FAR.replace("collectors_m = [2600029]", ""))
+    assert (
+        main(["runout", str(tmp_path / "far.toml"), "--out", str(tmp_path / "o")]) == 0
+    )
+    page = (tmp_path / "o/report.html").read_text(encoding="utf-8")
+    pictures = {*re.findall(r"[\w]+\.png", page)}
+    assert pictures == {"envelopes.png"}
+    assert pictures <= {file.name for file in (tmp_path / "o").iterdir()}
+
+
 def test_places_of_a_page_in_national_coordinates(tmp_path):
     (tmp_path / "far.toml").write_text(FAR)
     study = read_slope_study(tmp_path / "far.toml")

@@ -62,12 +62,30 @@ def test_the_slider_shows_the_blocks_in_a_bin(slope_results, tmp_path, place):
     assert re.search(r"<text [^>]*>x = 60 m</text>", shown)
 
 
-def test_a_bin_in_national_coordinates(tmp_path):
-    path, page = tmp_path / "far.toml", tmp_path / "report.html"
-    path.write_text(FAR)
+def page_of(text, folder):
+    """The page of a study, written into a folder, and the study's results."""
+    path, page = folder / "slope.toml", folder / "report.html"
+    path.write_text(text)
     study = read_slope_study(path)
     dataset = run_slope_study(study)
     page.write_text(slope_report(study, dataset, simulate(study, np.arange(3))).page())
+    return page, dataset
+
+
+def test_names_of_places_are_whole(tmp_path):
+    """One near the right end stands to the left of its place."""
+    text = FAR.replace("[2600029]", "[2600029, 2600725]")
+    page, _ = page_of(text, tmp_path)
+    shown = browse(page, tmp_path, "--dump-dom", place=2600029.0)
+    before, last = (
+        re.search(rf"<text ([^>]*)>x = {x} m</text>", shown) for x in (2600029, 2600725)
+    )
+    assert "text-anchor" not in before[1]
+    assert 'text-anchor="end"' in last[1]
+
+
+def test_a_bin_in_national_coordinates(tmp_path):
+    page, dataset = page_of(FAR, tmp_path)
     shown = browse(page, tmp_path, "--dump-dom", place=2600029.0)
     where = re.search(r'<strong id="where">(.*?)</strong>', shown)[1]
     here = dataset.sel(bin=2600029.0, method="nearest")

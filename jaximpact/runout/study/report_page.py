@@ -77,6 +77,7 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         "curve_names": [words for _, words, _, _ in QUANTITIES],
         "bins": study.settings.bins,
         "percents": PERCENTILES,
+        "has_collectors": bool(len(study.settings.collectors)),
         "data": _data(study, dataset, drawing["scale"]),
     }
     alike = "Ground along the profile, where it is alike for all blocks"

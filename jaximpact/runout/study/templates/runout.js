@@ -70,7 +70,12 @@ function place() {
   add(labels, "text", { x: 4, y: 14 }, "y [m]");
   for (const { x, y, words } of data.places) {
     const up = { x: toX(x) + 4, y: Math.max(Math.min(toY(y) - 6, HIGH - 30), 28) };
-    add(labels, "text", up, words);
+    const label = add(labels, "text", up, words);
+    // To the left of its place where the drawing would end before it does.
+    if (toX(x) > WIDE / 2 && up.x + label.getComputedTextLength() > WIDE) {
+      label.setAttribute("x", toX(x) - 4);
+      label.setAttribute("text-anchor", "end");
+    }
   }
 }
 
