@@ -242,7 +242,8 @@ def draw(
             samples[name] = np.asarray(quantity)[places]
         elif isinstance(quantity, Distribution):
             for field, value in quantity._asdict().items():
-                if field not in BOUNDS:
+                is_open = isinstance(value, float) and math.isinf(value)
+                if not (field in BOUNDS and is_open):
                     real_number(f"{name}.{field}", value)
             if fault := fault_of(quantity):
                 field, words = fault
