@@ -1,5 +1,6 @@
 """Results as they show themselves in Python and in notebooks."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -105,11 +106,11 @@ class ShownAsTable:
         return html_table([head], rows)
 
 
-def range_of(values: ArrayLike) -> str:
+def range_of(values: ArrayLike, write: Callable[[float], str] = "{:.4g}".format) -> str:
     """Tell the least and largest of finite values, or the one that all are."""
     finite = np.asarray(values, float)
     finite = finite[np.isfinite(finite)]
     if not finite.size:
         return "-"
     low, high = np.min(finite), np.max(finite)
-    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    return write(low) if low == high else f"{write(low)} to {write(high)}"

@@ -179,6 +179,16 @@ def typed(
     return of_kind(table[name], content.get(name, default), kind)
 
 
+def one_line(table: Key, content: Mapping, name: str, default: str) -> str:
+    """Read a text that stands in tables: of one line, and not empty."""
+    text = typed(table, content, name, str, default)
+    if not text.strip():
+        raise table[name].error("must be a text, but is empty")
+    if text.splitlines() != [text]:
+        raise table[name].error(f"must be one line, but is {text!r}")
+    return text
+
+
 def whole(
     table: Key,
     content: dict,

@@ -74,8 +74,9 @@ def place_text(value: float, digits: int = 4) -> str:
     decimetre."""
     if not np.isfinite(value):
         return "-"
-    if abs(value) < 10.0**digits:
-        return f"{value:.{digits}g}"
+    text = f"{0.0 if abs(value) < ROUNDING else value:.{digits}g}"
+    if abs(float(text)) < 10.0**digits:
+        return text
     return f"{value:.1f}".removesuffix(".0")
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from .._checks import real_number, real_numbers
+from .._checks import expect, real_number, real_numbers, whole_number
 from .._settings import numpy_settings
 from ..errors import InputError
 from ..shapes import shape_by_shape
@@ -85,6 +85,9 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     ends = np.where(np.isfinite(ends), ends, all_of.x_stop)
     passes = (all_of.x_start >= x) != (ends >= x)
     chosen, trajectory = select(all_of, passes), trajectory[passes]
+    if not len(trajectory):
+        # Of mixed shapes none would be left to compute by.
+        return Passages(trajectory, *np.empty((len(Passages._fields) - 1, 0)))
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
     release = runs.release
     passed = shape_by_shape(
@@ -130,13 +133,18 @@ def first_passages(every: Passages, blocks: int) -> tuple[np.ndarray, Passages]:
     """Count the passages of each block, and choose the first.
 
     Args:
-        found: result of `passages`.
+        every: result of `passages`.
         blocks: number of blocks.
 
     Returns:
         Counts and first passages, arrays `(blocks,)`; NaN for a block that does not
         pass.
+
+    Raises InputError for fewer blocks than have passages.
     """
+    expect("every", every, Passages)
+    least = int(np.max(every.trajectory, initial=-1)) + 1
+    blocks = whole_number("blocks", blocks, least)
     count = np.bincount(every.trajectory, minlength=blocks)
     passing, first = np.unique(every.trajectory, return_index=True)
 

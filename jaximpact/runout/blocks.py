@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from .._checks import expect, real_numbers
 from ..io.checks import check_scene
 from ..io.display import Rows, ShownAsTable, range_of
+from ..reports.tables import place_text
 from ..scene import GRAVITY, Block, Scene
 from ..shapes import AbstractShape, SemiAxes, each_shape, shape_by_shape
 from ..units import DEGREE
@@ -240,8 +241,8 @@ class Release(ShownAsTable):
         speed = np.hypot(body.v_x, body.v_y)
         rows = [
             ("mass", range_of(self.block.mass), "kg"),
-            ("x", range_of(body.x), "m"),
-            ("y", range_of(body.y), "m"),
+            ("x", range_of(body.x, place_text), "m"),
+            ("y", range_of(body.y, place_text), "m"),
             ("speed", range_of(speed), "m/s"),
             ("orientation", range_of(body.orientation / DEGREE), "deg"),
             ("angular velocity", range_of(body.angular_velocity / DEGREE), "deg/s"),

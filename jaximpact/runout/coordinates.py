@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import UnusualValueWarning
 from ..io.checks import NO_DATA
 from ..io.display import range_of
+from ..reports.tables import place_text
 
 LARGEST = 1e8
 """Largest coordinate [m]. Those of national grids, with the number of the zone before
@@ -80,7 +81,7 @@ def _problems(values: np.ndarray, name: str) -> Iterator[tuple[np.ndarray, str]]
         "origin near the slope",
     )
     others = values[~_is_code(values)]
-    among = f" among {range_of(others)} m" if len(others) else ""
+    among = f" among {range_of(others, place_text)} m" if len(others) else ""
     yield (
         _no_data(values, name),
         f"is {{:.10g}}{among}, a mark for no data; {cure}",

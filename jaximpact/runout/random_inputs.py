@@ -154,17 +154,18 @@ def fault_of(distribution: Distribution) -> tuple[str, str] | None:
             return name, f"must be above {limit:g}, but is {values[name]:g}"
     if isinstance(distribution, Uniform):
         start, stop = distribution
-        words = f"must go up, but goes from {start:g} to {stop:g}"
+        words = f"must go up, but goes from {start:.10g} to {stop:.10g}"
         return None if start < stop else ("", words)
     least, most = values["least"], values["most"]
     if not least < most:
-        return "", f"needs least below most, but they are {least:g} and {most:g}"
+        both = f"{least:.10g} and {most:.10g}"
+        return "", f"needs least below most, but they are {both}"
     if isinstance(distribution, PowerLaw) or distribution.probability_inside > 0.0:
         return None
-    centre, spread = (f"{name} {value:g}" for name, value in [*values.items()][:2])
+    centre, spread = (f"{name} {value:.10g}" for name, value in [*values.items()][:2])
     return "", (
-        f"holds nothing between least and most, {least:g} and {most:g}, so far from a "
-        f"{centre} with {spread}"
+        f"holds nothing between least and most, {least:.10g} and {most:.10g}, so far "
+        f"from a {centre} with {spread}"
     )
 
 
@@ -241,7 +242,8 @@ def draw(
             samples[name] = np.asarray(quantity)[places]
         elif isinstance(quantity, Distribution):
             for field, value in quantity._asdict().items():
-                if field not in BOUNDS:
+                is_open = isinstance(value, float) and math.isinf(value)
+                if not (field in BOUNDS and is_open):
                     real_number(f"{name}.{field}", value)
             if fault := fault_of(quantity):
                 field, words = fault

@@ -15,6 +15,7 @@ from .._checks import expect, real_numbers, whole_number
 from ..errors import InputError
 from ..io.display import Rows, ShownAsTable, range_of
 from ..quantities import InputColumn, columns_of_part
+from ..reports.tables import place_text
 from ..scene import Soil
 from ..units import DEGREE
 from . import libm
@@ -235,8 +236,8 @@ class Profile(ShownAsTable):
     def display_rows(self) -> tuple[str, Rows]:
         """Give the number of segments, and ranges of what they are."""
         rows = [
-            ("x", range_of(self.x), "m"),
-            ("y", range_of(self.y), "m"),
+            ("x", range_of(self.x, place_text), "m"),
+            ("y", range_of(self.y, place_text), "m"),
             ("slope", range_of(self.slope / DEGREE + 0.0), "deg"),
         ]
         columns = ground_columns(self.soil)

@@ -12,6 +12,7 @@ from .._checks import real_number, whole_number
 from ..errors import InputError
 from ..impact.events import Outcome
 from ..io.display import Rows, ShownAsTable, range_of
+from ..reports.tables import place_text
 from ..scene import GRAVITY
 from ..units import variable_attributes
 from .blocks import Body, Release, select
@@ -348,8 +349,8 @@ class Runs(ShownAsTable):
         """Give the number of blocks and how they ended, and ranges of results."""
         endings = ", ".join(f"{n} {name}" for name, n in self.count_endings().items())
         rows = [
-            ("x at the end", range_of(self.x), "m"),
-            ("y at the end", range_of(self.y), "m"),
+            ("x at the end", range_of(self.x, place_text), "m"),
+            ("y at the end", range_of(self.y, place_text), "m"),
             ("time", range_of(self.time), "s"),
             ("events", range_of(self.events), "-"),
             *_rows_of_energies(self.impact_energies()),

@@ -183,11 +183,24 @@ def test_a_comparison_goes_on(slope, capsys, monkeypatch):
     assert computed == [("mu 0.2", 60)]
 
 
+def test_letters_of_any_language_name_directories(slope):
+    names = ("Ä", "雪 2", "Fels_A")
+    laws = (FRICTIONAL.replace("mu 0.6", name) for name in names)
+    slope.write_text(SLOPE + "".join(laws), encoding="utf-8")
+    directories = [study.law.directory for study in read_slope_studies(slope)]
+    assert directories == ["ä", "雪-2", "fels-a"]
+
+
 @pytest.mark.parametrize(
     ("message", "text"),
     [
         ("contacts.name ... stands twice", SLOPE + CONSTANT * 2),
         ("contacts.name ... 'mu 0.6' stands twice", SLOPE + FRICTIONAL * 2),
+        (
+            "'mu 0.6' and 'Mu_0.6' ... directory mu-0-6",
+            SLOPE + FRICTIONAL + FRICTIONAL.replace("mu 0.6", "Mu_0.6"),
+        ),
+        ("must be one line", SLOPE + FRICTIONAL.replace("mu 0.6", "mu\\n0.6")),
         ("needs a letter", SLOPE + CONSTANT + FRICTIONAL.replace("mu 0.6", "?")),
         ("mean name?", SLOPE + CONSTANT + FRICTIONAL.replace("name", "nmae")),
         ("contacts.e_n ... is needed", SLOPE + CONSTANT.replace("e_n = 0.35", "")),

@@ -11,7 +11,7 @@ import pyogrio
 import pyproj
 import pytest
 from error_messages import assert_one_line_error
-from slope_study import SLOPE, assert_refused
+from slope_study import FAR, SLOPE, assert_refused
 from text_files import rows_of, write_changed
 
 import jaximpact.runout.study.output as output_module
@@ -284,6 +284,37 @@ def test_curves_of_the_page_are_those_of_the_blocks(slope_results):
         assert largest == pytest.approx(
             factor * float(dataset[f"max_{name}"].max()), rel=6e-4
         )
+
+
+def test_the_page_names_pictures_that_there_are(slope_results, tmp_path):
+    with_collectors = (slope_results[0] / "report.html").read_text(encoding="utf-8")
+    assert "collectors.png and envelopes.png" in with_collectors
+    (tmp_path / "far.toml").write_text(FAR.replace("collectors_m = [2600029]", ""))
+    assert (
+        main(["runout", str(tmp_path / "far.toml"), "--out", str(tmp_path / "o")]) == 0
+    )
+    page = (tmp_path / "o/report.html").read_text(encoding="utf-8")
+    pictures = {*re.findall(r"[\w]+\.png", page)}
+    assert pictures == {"envelopes.png"}
+    assert pictures <= {file.name for file in (tmp_path / "o").iterdir()}
+
+
+def test_places_of_a_page_in_national_coordinates(tmp_path):
+    (tmp_path / "far.toml").write_text(FAR)
+    study = read_slope_study(tmp_path / "far.toml")
+    dataset = run_slope_study(study)
+    page = slope_report(study, dataset, simulate(study, np.arange(3))).page()
+    edges = data_of(page)["edges"]
+    assert edges[:-1] == dataset.bin_left_m.values.tolist()
+    assert edges[-1] == 2600730.0
+    row = re.search(r"release_x_m</td>(.*?)</tr>", page, re.DOTALL)[1]
+    least, median, largest = map(float, re.findall(r"<td[^>]*>([\d.]+)<", row))
+    # To the decimetre.
+    np.testing.assert_allclose(
+        [least, median, largest],
+        [f(study.release.x) for f in (np.min, np.median, np.max)],
+        atol=0.051,
+    )
 
 
 def test_maxima_in_bins_are_those_of_the_envelopes(slope_results):

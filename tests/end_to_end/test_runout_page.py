@@ -7,8 +7,12 @@ import subprocess
 
 import numpy as np
 import pytest
+from slope_study import FAR
 
 from jaximpact.reports.document import Document, ReportSection
+from jaximpact.runout import read_slope_study, run_slope_study
+from jaximpact.runout.study.report_page import slope_report
+from jaximpact.runout.study.run_study import simulate
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
@@ -56,6 +60,38 @@ def test_the_slider_shows_the_blocks_in_a_bin(slope_results, tmp_path, place):
     assert shown.count("<polyline") == 3
     assert re.search(r"<text [^>]*>upper, fence</text>", shown)
     assert re.search(r"<text [^>]*>x = 60 m</text>", shown)
+
+
+def page_of(text, folder):
+    """The page of a study, written into a folder, and the study's results."""
+    path, page = folder / "slope.toml", folder / "report.html"
+    path.write_text(text)
+    study = read_slope_study(path)
+    dataset = run_slope_study(study)
+    page.write_text(slope_report(study, dataset, simulate(study, np.arange(3))).page())
+    return page, dataset
+
+
+def test_names_of_places_are_whole(tmp_path):
+    """One near the right end stands to the left of its place."""
+    text = FAR.replace("[2600029]", "[2600029, 2600725]")
+    page, _ = page_of(text, tmp_path)
+    shown = browse(page, tmp_path, "--dump-dom", place=2600029.0)
+    before, last = (
+        re.search(rf"<text ([^>]*)>x = {x} m</text>", shown) for x in (2600029, 2600725)
+    )
+    assert "text-anchor" not in before[1]
+    assert 'text-anchor="end"' in last[1]
+
+
+def test_a_bin_in_national_coordinates(tmp_path):
+    page, dataset = page_of(FAR, tmp_path)
+    shown = browse(page, tmp_path, "--dump-dom", place=2600029.0)
+    where = re.search(r'<strong id="where">(.*?)</strong>', shown)[1]
+    here = dataset.sel(bin=2600029.0, method="nearest")
+    count = int(here.blocks_in_bin)
+    ends = "x from 2600014.6 to 2600029.2 m"
+    assert where == f"{ends}: {count} of 20 blocks come there"
 
 
 def test_what_is_folded_is_printed(tmp_path):

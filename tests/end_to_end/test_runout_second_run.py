@@ -3,6 +3,7 @@ impacts that says why it is there."""
 
 import dataclasses
 import json
+import re
 
 import jax
 import numpy as np
@@ -26,7 +27,15 @@ from jaximpact.runout import (
 )
 from jaximpact.runout.study.ground_file import GroundInput
 from jaximpact.runout.study.intervals import is_apart
-from jaximpact.runout.study.second_run import LEFT_OUT, OTHER_LAW, PREFIX, ROUND
+from jaximpact.runout.study.report_page import slope_report
+from jaximpact.runout.study.run_study import simulate as simulate_blocks
+from jaximpact.runout.study.second_run import (
+    LEFT_OUT,
+    OTHER_LAW,
+    PREFIX,
+    ROUND,
+    differences,
+)
 from jaximpact.scene import Scene
 
 pytestmark = pytest.mark.slow
@@ -211,6 +220,29 @@ def test_numbers_that_differ_are_marked_wherever_they_stand(folder, capsys):
             for run in ("", "second_run_")
         ]
         assert (row in marked) == is_apart(*ends)
+
+
+def test_inputs_in_the_report_are_no_results(both):
+    study, dataset = both
+    page = slope_report(study, dataset, simulate_blocks(study, np.arange(3))).page()
+    start = page.index("Blocks and releases")
+    inputs = page[start : page.index("Ground along the profile", start)]
+    cells = re.findall(r"<td[^>]*>([\w ]+)<", inputs)
+    assert {"mass_kg", "aspect_ratio", "release_y_m"} <= {*cells}
+    assert not [cell for cell in cells if cell.startswith((PREFIX, "max_", "impacts"))]
+
+
+def test_stops_that_differ_in_national_coordinates(both):
+    """Of many blocks, those of a study over again, for intervals with two ends."""
+    dataset = both[1].isel(block=np.arange(400) % 40)
+    far = dataset.assign(
+        x_m=dataset.x_m + 2.6e6,
+        **{f"{PREFIX}x_m": dataset[f"{PREFIX}x_m"] + 2600200.0},
+    )
+    (line,) = (text for text in differences(far) if "95 % of the blocks stop" in text)
+    place = r"2600\d\d\d(\.\d)?"
+    pattern = rf"stopped: {place} m \({place} to {place}\), but {place} m \({place} to"
+    assert re.search(pattern, line)
 
 
 def test_the_second_run_can_be_left_out(folder, capsys):

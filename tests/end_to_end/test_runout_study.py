@@ -18,6 +18,9 @@ from jaximpact.runout import (
     ClosedForm,
     Ending,
     FullModel,
+    Ground,
+    Profile,
+    Release,
     read_slope_study,
     run_slope_study,
 )
@@ -87,6 +90,53 @@ def test_a_journal_goes_on(changed, slope_results, tmp_path, monkeypatch):
     other = read_slope_study(changed(("seed = 7", "seed = 8")))
     with pytest.raises(InputError, match="is no journal of this run"):
         run_slope_study(other, journal=journal)
+
+
+def test_a_journal_is_not_of_a_study_that_was_changed_in_python(
+    slope_results, tmp_path
+):
+    study, journal = slope_results.study, tmp_path / "blocks.journal"
+    run_slope_study(study, journal=journal)
+    limits = study.settings.limits._replace(time=1.0)
+    p, ground, turned = study.profile, study.ground, study.release.body._asdict()
+    turned["orientation"] = turned["orientation"] + 0.1
+    others = [
+        study._replace(settings=study.settings._replace(limits=limits)),
+        study._replace(profile=Profile(p.x, p.y + 1.0, p.soil)),
+        study._replace(release=Release(study.release.block, **turned)),
+        study._replace(ground=Ground(ground.soil, 0.5)),
+        study._replace(
+            law=study.law._replace(contacts=ClosedForm(ConstantCoefficients(0.4, 0.9)))
+        ),
+    ]
+    for other in others:
+        with pytest.raises(InputError, match="is no journal of this run"):
+            run_slope_study(other, journal=journal)
+    again = run_slope_study(read_slope_study(study.inputs.path), journal=journal)
+    xr.testing.assert_identical(again, slope_results.dataset)
+
+
+CALLS = []
+
+
+class CountsItsCalls(ConstantCoefficients):
+    """A law with a memory of its own."""
+
+    def __call__(self, block, impact):
+        CALLS.append(block)
+        return super().__call__(block, impact)
+
+
+def test_a_journal_of_a_law_that_remembers_goes_on(slope_results, tmp_path):
+    study, journal = slope_results.study, tmp_path / "blocks.journal"
+    law = study.law._replace(contacts=ClosedForm(CountsItsCalls(0.4, 0.9)))
+    whole = run_slope_study(study._replace(law=law), journal=journal)
+    assert CALLS
+    again = run_slope_study(study._replace(law=law), journal=journal)
+    xr.testing.assert_identical(again, whole)
+    plain = study.law._replace(contacts=ClosedForm(ConstantCoefficients(0.4, 0.9)))
+    with pytest.raises(InputError, match="is no journal of this run"):
+        run_slope_study(study._replace(law=plain), journal=journal)
 
 
 class FailsOnTheFlat(ConstantCoefficients):

@@ -66,6 +66,28 @@ e_n = 0.3
 e_t = 0.8
 """
 
+FAR = """
+count = 20
+collectors_m = [2600029]
+
+[profile]
+points_m = [[2600000, 1520], [2600015, 1505], [2600730, 1400]]
+
+[block]
+mass_kg = 100
+
+[release]
+x_m = { from = 2600001.25, to = 2600002.5 }
+clearance_m = 1
+speed_mps = 2
+
+[contacts]
+law = "constant coefficients"
+e_n = 0.3
+e_t = 0.8
+"""
+"""A study in coordinates of a national grid, with bins of 14.6 m."""
+
 
 def slope_text(
     top="seed = 7",

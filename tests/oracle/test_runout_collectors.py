@@ -18,6 +18,7 @@ from jaximpact.runout import (
     passages,
     simulate_runout,
 )
+from jaximpact.shapes import Ellipsoid, RectangularPrism, shape_of_each
 
 pytestmark = pytest.mark.slow
 
@@ -125,6 +126,18 @@ def test_passages_are_those_of_samples(runs):
     # The gully sends many of them back.
     assert total > 100
     assert back > 20
+
+
+def test_a_place_that_no_block_of_several_shapes_passes():
+    shape = shape_of_each([Ellipsoid, RectangularPrism])
+    release = Release(Block(mass=[100.0, 100.0], shape=shape), 0.0, 2.0, v_x=1.0)
+    runs = simulate_runout(FLAT, release, DEAD)
+    assert list(passages(runs, 0.1).trajectory) == [0, 1]
+    found = passages(runs, 90.0)
+    assert {len(values) for values in found} == {0}
+    counts, first = first_passages(found, 2)
+    assert list(counts) == [0, 0]
+    assert np.all(np.isnan(first.energy))
 
 
 def test_a_piece_that_turns_and_a_jump_between_pieces():

@@ -183,6 +183,11 @@ UNIFORM, TWO_LAWS = "{ from = 0, to = 8 }", "[[contacts]]\n[[contacts]]\nlaw = "
         ("observed.stop: is unknown.*stops", "stops =", "stop ="),
         ("none.csv: cannot be read", "stops.csv", "none.csv"),
         ("holds 81, where no passage", "held_out_m = [80]", "held_out_m = [81]"),
+        (
+            "2600029.5, where no passage",
+            "held_out_m = [80]",
+            "held_out_m = [2600029.5]",
+        ),
         ("counts.1.passed: must be at most 3", "passed = 2", "passed = 4"),
         ("counts.1.passed: is needed", "passed = 2, ", ""),
         ("counts.1.x_m: must lie between", "x_m = 60", "x_m = 600"),

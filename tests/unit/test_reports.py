@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from jaximpact.accuracy import PRESETS
 from jaximpact.reports.document import Box, Document, Picture, ReportSection
 from jaximpact.reports.json_tree import json_text, plain
-from jaximpact.reports.tables import Table, cell_text, listed
+from jaximpact.reports.tables import Table, at_x, cell_text, listed, place_text
 
 
 @pytest.mark.parametrize(
@@ -28,6 +28,22 @@ from jaximpact.reports.tables import Table, cell_text, listed
 )
 def test_cells(value, shown):
     assert cell_text(value) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        *((np.nan, "-"), (1 / 3, "0.3333"), (9999.4, "9999"), (9999.7, "9999.7")),
+        *((-9999.96, "-10000"), (2600014.62, "2600014.6"), (-1e-17, "0")),
+    ],
+)
+def test_coordinates(value, shown):
+    assert place_text(value) == shown
+
+
+def test_names_of_places():
+    assert at_x(999999.4) == "x = 999999 m"
+    assert at_x(999999.7) == "x = 999999.7 m"
 
 
 def test_a_table_is_text_and_a_file_with_all_digits():

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact import Block, Soil
+from jaximpact import Block, Scene, Soil
 from jaximpact.errors import InputError
 from jaximpact.rebound import ConstantCoefficients, Rebound
 from jaximpact.runout import (
@@ -20,6 +20,7 @@ from jaximpact.runout import (
     Release,
     Uniform,
     draw,
+    first_passages,
     maxima_along,
     passages,
     simulate_runout,
@@ -34,6 +35,13 @@ LAW = ClosedForm(ConstantCoefficients(0.3, 0.8))
 @pytest.fixture(scope="module")
 def runs():
     return simulate_runout(PROFILE, RELEASE, LAW)
+
+
+def test_profiles_and_releases_show_national_coordinates():
+    profile = Profile([2600000.0, 2600730.5], [1520.0, 1400.0])
+    release = Release(Block(mass=[100.0, 100.0]), [2600001.25, 2600002.5], 1521.0)
+    assert "2600000 to 2600730.5" in repr(profile)
+    assert "2600001.2 to 2600002.5" in repr(release)
 
 
 @pytest.mark.parametrize("count", [1, 2, 4])
@@ -82,6 +90,32 @@ def test_collectors(runs, place):
 
 
 @pytest.mark.parametrize(
+    ("blocks", "words"),
+    [
+        *((1, "blocks must be at least 3"), (2.5, "blocks must be a whole number")),
+        (None, "blocks must be a whole number"),
+    ],
+)
+def test_numbers_of_blocks(runs, blocks, words):
+    found = passages(runs, 20.0)
+    assert list(found.trajectory) == [0, 1, 2]
+    with pytest.raises(InputError, match=words):
+        first_passages(found, blocks)
+
+
+@pytest.mark.parametrize(
+    ("scene", "shapes"),
+    [
+        (Scene(Block(mass=[100.0, 200.0, 300.0])), r"\[\(\), \(2,\), \(3,\)\]"),
+        (Scene(Block(mass=np.ones((2, 3)))), r"\[\(\), \(2,\), \(2, 3\)\]"),
+    ],
+)
+def test_places_of_a_scene(scene, shapes):
+    with pytest.raises(InputError, match=f"must broadcast .* have shapes {shapes}"):
+        simulate_runout(PROFILE, scene, LAW, x=[10.0, 20.0])
+
+
+@pytest.mark.parametrize(
     "edges", [[], [3.0], [5.0, 1.0], [0.0, 0.0], [0.0, np.nan], np.zeros((2, 2))]
 )
 def test_edges_of_bins(runs, edges):
@@ -95,6 +129,8 @@ def test_edges_of_bins(runs, edges):
         (Normal(0.0, -1.0), "a.sd must be above 0"),
         (Normal(np.nan, 1.0), "a.mean must be a finite number"),
         (Normal(0.0, 1.0, 5.0, 1.0), "a needs least below most"),
+        (Normal(0.0, 1.0, None, 5.0), "a.least must be a number"),
+        (Normal(0.0, 1.0, 0.0, np.nan), "a.most must be a finite number"),
         (Normal(0.0, 1.0, 50.0, 60.0), "a holds nothing between least and most"),
         (Uniform(5.0, 1.0), "a must go up"),
         (Lognormal(-1.0, 2.0), "a.median must be above 0"),

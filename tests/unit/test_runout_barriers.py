@@ -58,6 +58,8 @@ def test_barriers_are_read_in_si(tmp_path):
         ("1.capacity_kJ: must be a number", {"capacity_kJ": True}),
         ("1.name: must be a text", {"name": 3}),
         ("1.name: .* is empty", {"name": " "}),
+        ("1.name: must be one line", {"name": "upper\nfence"}),
+        ("1.name: must be one line", {"name": "fence\n"}),
         *((f"1.{missing}: is needed", {missing: None}) for missing in BARRIER),
     ],
 )

@@ -1,7 +1,7 @@
 """Studies of slopes that are refused: in one line, with the key and what is needed."""
 
 import pytest
-from slope_study import SLOPE, assert_refused, slope_text
+from slope_study import FAR, SLOPE, assert_refused, slope_text
 from text_files import write_changed
 
 RANGES = ("from_x_m = 0\nto_x_m = 62.5\n", "from_x_m = 62.5\nto_x_m = 200\n")
@@ -129,6 +129,19 @@ OF_COLUMNS = (
     ("materials.rock ... no row of the profile", "[block]", f"{ROCK}[block]"),
 )
 
+START = "x_m = { from = 2600001.25, to = 2600002.5 }"
+FAR_ROCK = ROCK + BEYOND.replace("300", "2600800").replace("400", "2600900")
+IN_NATIONAL_COORDINATES = (
+    ("2600730.5 ... from 2600000 to 2600730", START, "x_m = 2600730.5"),
+    (
+        "x_m ... from 2600002.5 to 2600001",
+        START,
+        "x_m = { from = 2600002.5, to = 2600001 }",
+    ),
+    ("2600000 and 2600730, but", START, "along_x_m = [2600001, 2600731]"),
+    ("from x = 2600000 to 2600730", "[block]", f"{FAR_ROCK}[block]"),
+)
+
 
 @pytest.mark.parametrize(
     ("text", "message", "old", "new"),
@@ -136,6 +149,7 @@ OF_COLUMNS = (
         *((SLOPE, *row) for row in OF_SLOPES),
         *((MATERIALS, *row) for row in OF_MATERIALS),
         *((BY_COLUMN, *row) for row in OF_COLUMNS),
+        *((FAR, *row) for row in IN_NATIONAL_COORDINATES),
     ],
     ids=lambda value: None if "\n\n" in value else value,
 )

@@ -122,7 +122,7 @@ def read_observed(
         channels += _passages(inputs[-1], profile, held_out, remarks)
     for x in held_out:
         if x not in {channel.place for channel in channels}:
-            raise key["held_out_m"].error(f"holds {x:g}, where no passage is")
+            raise key["held_out_m"].error(f"holds {x:.10g}, where no passage is")
     channels += _counts(key, table, profile)
     if all(map(is_held_out, channels)):
         raise key.error("needs stops, passages or counts that are fitted")

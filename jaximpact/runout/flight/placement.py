@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..._checks import expect, real_numbers
-from ...errors import UnusualValueWarning
+from ...errors import InputError, UnusualValueWarning
 from ...scene import GRAVITY, Scene
 from ...shapes import AbstractElliptic, shape_by_shape
 from .. import libm
@@ -38,8 +38,8 @@ def check_release(release: Release, profile: Profile) -> None:
     if np.any(outside):
         i = int(np.argmax(outside))
         raise ValueError(
-            f"block {i} is released at x = {release.x[i]:g}, but the profile goes from "
-            f"{profile.x[0]:g} to {profile.x[-1]:g}"
+            f"block {i} is released at x = {release.x[i]:.10g}, but the profile goes "
+            f"from {profile.x[0]:.10g} to {profile.x[-1]:.10g}"
         )
     body, outline = release.body, release.outline
     _check_resolution(release, outline.smallest, profile)
@@ -173,10 +173,19 @@ def release_at_touch(
 
     Returns:
         The release, and the ground with the soil of the scene.
+
+    Raises InputError for an x that does not broadcast with the scene.
     """
     x = np.asarray(real_numbers("x", x), float)
     leaves = [np.asarray(leaf, float) for leaf in jax.tree.leaves(scene)]
-    shape = np.broadcast_shapes(*(leaf.shape for leaf in leaves), x.shape, (1,))
+    shapes = [x.shape, *(leaf.shape for leaf in leaves)]
+    try:
+        shape = np.broadcast_shapes(*shapes, (1,))
+    except ValueError:
+        raise InputError(
+            "x and the fields of a scene must broadcast to one axis, but have shapes "
+            f"{sorted(set(shapes))}"
+        ) from None
     of_blocks = jax.tree.map(lambda leaf: np.broadcast_to(leaf, shape), scene)
     v_n, v_t, support, arm = shape_by_shape(_at_touch, of_blocks)
     segment = np.clip(

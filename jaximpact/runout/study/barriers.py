@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ...io.toml import Key, check_keys, number, typed
+from ...io.toml import Key, check_keys, number, one_line
 from ...reports.json_tree import plain
 from ...reports.tables import Table, interval_text, place_text
 from ...units import variable_attributes
@@ -89,9 +89,7 @@ def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
             )
     x, height, capacity = numbers.values()
     check_inside(profile, x, **key["x_m"].place)
-    name = typed(key, table, "name", str, f"barrier at {place_text(x, 6)} m")
-    if not name.strip():
-        raise key["name"].error("must be a text, but is empty")
+    name = one_line(key, table, "name", f"barrier at {place_text(x, 6)} m")
     return Barrier(name, x, height, 1e3 * capacity)
 
 

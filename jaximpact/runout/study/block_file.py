@@ -188,8 +188,8 @@ def _line(key: Key, line, spacing, profile: Profile) -> Quantity:
     start, stop = (number(key[LINE], x) for x in line)
     if not profile.x[0] <= start < stop <= profile.x[-1]:
         raise key[LINE].error(
-            f"must go up, between the ends of the profile, {profile.x[0]:g} and "
-            f"{profile.x[-1]:g}, but is {line!r}"
+            "must go up, between the ends of the profile, "
+            f"{profile.x[0]:.10g} and {profile.x[-1]:.10g}, but is {line!r}"
         )
     ends = np.interp([start, stop], profile.x, _along_ground(profile)).tolist()
     if spacing is None:

@@ -1,6 +1,7 @@
 """Contact laws of a study, as its file names them."""
 
 import hashlib
+import itertools
 import math
 import re
 from pathlib import Path
@@ -12,7 +13,7 @@ from ...accuracy import DEFAULT_ACCURACY, PRESETS
 from ...finding import file_of, find_class, shipped
 from ...identity import name_of
 from ...io.files import read_input
-from ...io.toml import Key, allowed, check_keys, choice, typed
+from ...io.toml import Key, allowed, check_keys, choice, one_line, typed
 from ...lookup import Tabulated, read_table
 from ...quantities import InputColumn, own_columns
 from ...rebound import AbstractRebound
@@ -41,7 +42,7 @@ class NamedLaw(NamedTuple):
     @property
     def directory(self) -> str:
         """Name of the directory for its files."""
-        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
+        return re.sub(r"[\W_]+", "-", self.name.lower()).strip("-")
 
 
 def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]:
@@ -61,9 +62,14 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
             "accuracy is of the full model; the law "
             f"{laws[0].description['law']} takes none"
         )
-    for place, law in enumerate(laws):
-        if law.directory in [other.directory for other in laws[:place]]:
+    for one, law in itertools.combinations(laws, 2):
+        if law.name == one.name:
             raise key["name"].error(f"{law.name!r} stands twice; name tells laws apart")
+        if law.directory == one.directory:
+            raise key["name"].error(
+                f"{one.name!r} and {law.name!r} would both have the directory "
+                f"{law.directory}; they must differ by more than capitals and signs"
+            )
     return laws
 
 
@@ -77,8 +83,8 @@ def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:
         law = kind.__name__
     else:
         law = choice(key, table, "law", FULL_MODEL, LAWS)
-    name = typed(key, table, "name", str, law)
-    if not re.search("[A-Za-z0-9]", name):
+    name = one_line(key, table, "name", law)
+    if not re.search(r"[^\W_]", name):
         raise key["name"].error(f"needs a letter or a digit, but is {name!r}")
     if law == TABLE:
         check_keys(key, table, ("law", "name", "files"))

@@ -357,7 +357,8 @@ def _segments_of(
         )
     else:
         chosen = (middles > part.ends[0]) & (middles < part.ends[1])
-        problem = f"the profile goes from x = {profile.x[0]:g} to {profile.x[-1]:g}"
+        ends = f"{profile.x[0]:.10g} to {profile.x[-1]:.10g}"
+        problem = f"the profile goes from x = {ends}"
     if not np.any(chosen):
         raise key.error(f"is nowhere on the slope: {problem}")
     return chosen

@@ -208,7 +208,7 @@ def page_curves(dataset: xr.Dataset) -> dict:
     edges = [*dataset.bin_left_m.values.tolist(), float(dataset.bin_right_m.values[-1])]
     return {
         "blocks": int(np.sum(valid)),
-        "edges": [_short(edge, 7) for edge in edges],
+        "edges": edges,
         "counts": counts,
         "ranks": ranks,
         "percents": list(PERCENTILES),
@@ -234,6 +234,6 @@ def _percentiles(values: np.ndarray) -> list[list[float | None]]:
     ]
 
 
-def _short(value: float, digits: int = 4) -> float | None:
-    """Round a number; None for one that is not known."""
-    return float(f"{value:.{digits}g}") if np.isfinite(value) else None
+def _short(value: float) -> float | None:
+    """Round a number to four digits; None for one that is not known."""
+    return float(f"{value:.4g}") if np.isfinite(value) else None

@@ -31,7 +31,7 @@ from .endings import counts_of, stops_of, valid_blocks
 from .intervals import DIFFERS, is_apart, least_blocks, percentile_interval
 from .map_files import NO_MAP
 from .page_data import QUANTITIES, page_curves, page_profile
-from .run_study import BLOCK_NUMBERS, PERCENTILES
+from .run_study import PERCENTILES, inputs_of
 from .second_run import PASSAGES, energy_table, note, second_of
 from .slope_file import SlopeStudy
 
@@ -77,12 +77,13 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         "curve_names": [words for _, words, _, _ in QUANTITIES],
         "bins": study.settings.bins,
         "percents": PERCENTILES,
+        "has_collectors": bool(len(study.settings.collectors)),
         "data": _data(study, dataset, drawing["scale"]),
     }
     alike = "Ground along the profile, where it is alike for all blocks"
     settings = [
         _settings(study),
-        ReportSection("Blocks and releases", [_inputs(dataset)]),
+        ReportSection("Blocks and releases", [_inputs(study)]),
         ReportSection(alike, [_grounds(study)]),
     ]
     sections = [
@@ -396,20 +397,18 @@ def _in_words(value) -> str:
     return "; ".join(f"{name} {_in_words(inner)}" for name, inner in value.items())
 
 
-def _inputs(dataset: xr.Dataset) -> Table:
+def _inputs(study: SlopeStudy) -> Table:
     """Write the ranges of what each block gets."""
     rows = []
-    for name, values in dataset.items():
-        result = name in BLOCK_NUMBERS or name == "ending" or "max_" in str(name)
-        if values.dims != ("block",) or result:
-            continue
-        unit = values.attrs.get("units", "")
+    for name, (_, values, about) in inputs_of(study).items():
+        unit = about.get("units", "")
         if values.dtype.kind != "f":
-            kinds = sorted({str(value) for value in values.values})
-            rows.append((str(name), unit, ", ".join(kinds), "", ""))
+            kinds = sorted({str(value) for value in values})
+            rows.append((name, unit, ", ".join(kinds), "", ""))
             continue
-        ends = values.values.min(), np.median(values.values), values.values.max()
-        rows.append((str(name), unit, *(f"{end:.5g}" for end in ends)))
+        ends = values.min(), np.median(values), values.max()
+        # Places of releases may be in national coordinates.
+        rows.append((name, unit, *(place_text(end, 5) for end in ends)))
     return Table(("quantity", "unit", "least", "median", "largest"), rows)
 
 

@@ -13,13 +13,16 @@ import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 import xarray as xr
 
 from ..._packages import versions
 from ..._settings import numpy_settings
 from ...batch import Collector
+from ...code_state import digest, walk
 from ...errors import UnusualValueWarning
+from ...identity import name_of
 from ...io.journal import Journal
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
@@ -29,6 +32,7 @@ from ...tasks import Task, computing, run_tasks
 from ...units import DEGREE, variable_attributes
 from ..analysis import first_passages, maxima_along, passages
 from ..blocks import Body, Release, select
+from ..contacts.contact_models import ClosedForm
 from ..coordinates import FASTEST
 from ..scheduler import WIDTH, follow
 from ..terrain import ground_columns
@@ -243,6 +247,7 @@ def run_slope_study(
     opened = contextlib.nullcontext()
     if journal is not None:
         subject = _subject(study) | {"second run": again is not None}
+        subject["values"] = _digest_of_values(study)
         opened = Journal(journal, subject, columns, total)
     with computing(progress=progress, executor=executor), opened as kept:
         collector = Collector(len(columns), total, kept, "blocks")
@@ -354,6 +359,21 @@ def _subject(study: SlopeStudy) -> dict[str, Any]:
     }
 
 
+def _digest_of_values(study: SlopeStudy) -> str:
+    """Give the SHA-256 of the values that the trajectories are computed from: a study
+    that was changed in Python still names the file that it was read from."""
+    profile, release, ground = study.profile, study.release, study.ground
+    contacts = study.law.contacts
+    law: Any = contacts.law if isinstance(contacts, ClosedForm) else contacts
+    values = (
+        (profile.x, profile.y, release.block, release.body),
+        (ground.soil, ground.rolling_friction_angle, ground.roughness),
+        (ground.seed, ground.numbers, study.settings.limits, law),
+    )
+    # Leaves alone: a user's class may count its calls, which is no change of it.
+    return digest(walk([name_of(type(law)), *jax.tree.leaves(values)]))
+
+
 Variables = dict[str, tuple[Any, ...]]
 """Dimensions, values and attributes of the variables of a dataset, by name."""
 
@@ -371,7 +391,7 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
     codes = rows[:, 0].astype(int)
     endings = np.array([str(ending) for ending in Ending])[codes]
     variables: Variables = {"ending": ("block", endings, {"long_name": "ending"})}
-    variables |= _inputs_of(study.release) | _ground_of(study)
+    variables |= inputs_of(study)
     for i, (name, about) in enumerate(BLOCK_NUMBERS.items(), 1):
         variables[name] = _variable("block", of_blocks[:, i], *about)
     valid, collectors = codes != Ending.failed, study.settings.collectors
@@ -467,7 +487,13 @@ def _passages(first: dict[str, np.ndarray], valid: np.ndarray) -> Variables:
     return variables
 
 
-def _inputs_of(release: Release) -> Variables:
+def inputs_of(study: SlopeStudy) -> Variables:
+    """List what each block gets: samples of blocks, releases and ground, in the units
+    of their names."""
+    return _releases_of(study.release) | _ground_of(study)
+
+
+def _releases_of(release: Release) -> Variables:
     """List the samples of blocks and releases, in the units of their names."""
     shape = release.block.shape
     is_mixed = isinstance(shape, MixedShapes)

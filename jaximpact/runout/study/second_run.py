@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from ...laws import DeepestPoint, WorkConjugate
-from ...reports.tables import Table, at_x, interval_text, number_text
+from ...reports.tables import Table, at_x, interval_text, number_text, place_text
 from ..contacts.contact_models import FullModel
 from ..trajectory import NOTABLE_E_N
 from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, estimates_of
@@ -107,8 +107,10 @@ def differences(dataset: xr.Dataset) -> list[str]:
 
 
 def _value_text(value: DesignValue) -> str:
-    ends = interval_text(value.low, value.high)
-    return f"{number_text(value.value)} {value.unit} ({ends})"
+    # x may be in national coordinates.
+    write = place_text if value.unit == "m" else number_text
+    ends = interval_text(value.low, value.high, write)
+    return f"{write(value.value)} {value.unit} ({ends})"
 
 
 def design_values(dataset: xr.Dataset) -> Iterator[DesignValue]:

@@ -23,7 +23,7 @@ function ticks(low, high, count) {
   return found;
 }
 
-const shown = (value, digits = 4) => String(Number(value.toPrecision(digits)));
+const shown = (value) => String(Number(value.toPrecision(4)));
 
 // --- The profile: wheel and buttons zoom, dragging moves, a click chooses x.
 
@@ -70,7 +70,12 @@ function place() {
   add(labels, "text", { x: 4, y: 14 }, "y [m]");
   for (const { x, y, words } of data.places) {
     const up = { x: toX(x) + 4, y: Math.max(Math.min(toY(y) - 6, HIGH - 30), 28) };
-    add(labels, "text", up, words);
+    const label = add(labels, "text", up, words);
+    // To the left of its place where the drawing would end before it does.
+    if (toX(x) > WIDE / 2 && up.x + label.getComputedTextLength() > WIDE) {
+      label.setAttribute("x", toX(x) - 4);
+      label.setAttribute("text-anchor", "end");
+    }
   }
 }
 
@@ -145,8 +150,11 @@ function choose(x) {
 function draw() {
   const bin = Number(slider.value), count = data.counts[bin];
   const [from, to] = [data.edges[bin], data.edges[bin + 1]];
+  // By the width of the bin: national coordinates have many digits.
+  const decimals = Math.max(0, 2 - Math.floor(Math.log10(to - from)));
+  const end = (x) => Number(x.toFixed(decimals));
   document.getElementById("where").textContent =
-    `x from ${shown(from, 7)} to ${shown(to, 7)} m: ${count} of ${data.blocks} blocks come there`;
+    `x from ${end(from)} to ${end(to)} m: ${count} of ${data.blocks} blocks come there`;
   place();
   data.quantities.forEach((quantity, i) => panel(panels[i], quantity, bin));
   table(bin);
