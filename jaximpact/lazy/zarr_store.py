@@ -39,6 +39,8 @@ GROUP, ARRAY = "_regions", "journal"
 JOURNAL = Path(GROUP, ARRAY, "rows")
 """File in a store: for each region that is whole how many impacts ended in which way.
 It is in the folder of an array, as Zarr warns of files elsewhere that are not its."""
+ZARRS_OWN = ".zgroup"
+"""File of every store of this format; no variable has its name."""
 POLL = 0.05
 """Seconds between looks for finished regions, as often as Dask's own."""
 
@@ -94,7 +96,7 @@ def write_zarr(
     template = dataset.drop_vars(regions.names).compute()
     if os.path.lexists(path) and not (path / JOURNAL).is_file():
         raise _no_store_of_this(path, "is there, but is no store written by region")
-    check_writable(path / "x" if path.is_dir() else path, option="the store")
+    check_writable(path / ZARRS_OWN if path.is_dir() else path, option="the store")
     with locked(path, beside=True):
         if not path.exists():
             _begin(path, template, dataset, regions)

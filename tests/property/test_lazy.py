@@ -306,6 +306,19 @@ def test_a_store_of_another_study_is_refused(tmp_path, how):
         write_zarr(tmp_path / "a.zarr", sweep(**usual | how))
 
 
+def scenes_in_chunks(heaviest=500.0):
+    mass = np.linspace(50.0, heaviest, 5)
+    return xr.Dataset({"mass_kg": ("block", mass)}).chunk(block=2)
+
+
+def test_a_coordinate_may_have_any_name(tmp_path):
+    """Also that of a file by which is found whether a directory can be written."""
+    scenes = scenes_in_chunks().assign_coords(x=("block", np.arange(5.0)))
+    lazy = simulate_dataset(scenes)
+    assert write_zarr(tmp_path / "a.zarr", lazy).computed == 3
+    assert write_zarr(tmp_path / "a.zarr", lazy).found == 3
+
+
 def test_a_directory_of_something_else_is_refused(tmp_path):
     (tmp_path / "a.zarr" / "e_n").mkdir(parents=True)
     (tmp_path / "a.zarr" / "letter.txt").write_text("mine")
