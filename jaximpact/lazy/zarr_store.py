@@ -141,6 +141,8 @@ class _Regions(NamedTuple):
 
 
 def _regions_of(dataset: xr.Dataset) -> _Regions:
+    for name in (*dataset.sizes, *dataset.variables):
+        expect("the name of a dimension or variable of a store", name, str)
     lengths = {
         str(dim): dataset.chunksizes[dim]
         for dim in dataset.sizes

@@ -386,6 +386,13 @@ def test_datasets_without_regions_are_refused(tmp_path, chunks, message):
         write_zarr(tmp_path / "a.zarr", sweep(BASE, STORED_AXES, **how))
 
 
+@pytest.mark.parametrize("names", [{"block": 3}, {"e_n": 3}])
+def test_names_that_are_no_texts_are_refused(tmp_path, names):
+    lazy = simulate_dataset(scenes_in_chunks()).rename(names)
+    with pytest.raises(InputError, match=r"of a store must be of type str, but is 3"):
+        write_zarr(tmp_path / "a.zarr", lazy)
+
+
 def test_chunks_of_no_size_are_regions_too(tmp_path):
     lazy = sweep(BASE, STORED_AXES, chunks={"angle_deg": (2, 0, 2, 1)})
     assert write_zarr(tmp_path / "a.zarr", lazy).total == 4
