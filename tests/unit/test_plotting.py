@@ -9,13 +9,14 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from matplotlib.figure import Figure
 from PIL import Image
 
-from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate
 from jaximpact.calibration.report.drawings import draw_residuals
 from jaximpact.errors import InputError
-from jaximpact.plotting.impact import outline
-from jaximpact.plotting.style import COLOURS, plotted, png_bytes
+from jaximpact.plotting.impact import outline, scene_in_words
+from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
 from jaximpact.plotting.style import panels as panels_of
 
 PANELS = ["contact force", "penetration", "rotation", "energy", "side view, to scale"]
@@ -54,6 +55,21 @@ def test_without_a_history_one_is_recorded_under_the_laws_of_the_result():
     assert abs(usual / result.max_penetration - 1.0) > 0.1
     # Without tangential velocity there is no coefficient of it.
     assert "e_t" not in axes[0].figure.get_suptitle()
+
+
+def test_the_title_of_a_scene_of_many_words_stays_within_the_figure():
+    block = Block(mass=500.0, aspect_ratio=2.0, shape="RectangularPrism")
+    impact = Impact.from_degrees(angle=40, angular_velocity=100, slope=30)
+    figure = Figure()
+    title = figure.suptitle(scene_in_words(Scene(block, impact=impact)), fontsize=10)
+    figure.set_size_inches(WIDTH, 9.0)
+    figure.canvas.draw()
+    assert [line.split(",")[0] for line in title.get_text().split("\n")] == [
+        "500 kg",
+        "14 m/s at 40°",
+    ]
+    assert title.get_window_extent().x0 > 0.0
+    assert title.get_window_extent().x1 < figure.bbox.width
 
 
 @pytest.mark.slow
