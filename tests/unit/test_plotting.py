@@ -8,12 +8,13 @@ import jax
 import matplotlib
 import numpy as np
 import pytest
+from calibration_studies import study_of_columns
 from matplotlib import pyplot
 from matplotlib.figure import Figure
 from PIL import Image
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate
-from jaximpact.calibration.report.drawings import draw_residuals
+from jaximpact.calibration.report.drawings import draw_residuals, only_varying
 from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline, scene_in_words
 from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
@@ -222,6 +223,33 @@ def test_a_drawing_that_fails_leaves_no_figure():
     with pytest.raises(ValueError):  # noqa: PT011
         plotted(fails)
     assert not pyplot.get_fignums()
+
+
+SLOPE = {"prior": {"mean": 10.0, "sd": 1.0}}
+
+
+@pytest.mark.parametrize(
+    ("columns", "content", "along"),
+    [
+        ({}, {}, "speed_mps"),
+        ({"mass_kg": [1.0, 2.0, 1.0, 2.0]}, {}, None),
+        ({"shape": ["Ellipsoid", "RectangularPrism"] * 2}, {}, None),
+        ({"shape": ["EllipticCylinder"] * 4}, {}, "speed_mps"),
+        ({}, {"parameters": {"c_v": {"by": "campaign", "group_sd": 0.5}}}, None),
+        ({}, {"nuisance": {"slope_deg": SLOPE | {"by": "row"}}}, None),
+        ({}, {"nuisance": {"slope_deg": SLOPE | {"by": "source"}}}, "speed_mps"),
+    ],
+)
+def test_a_fit_is_drawn_over_what_alone_differs(columns, content, along):
+    """One line through tests of other shapes or groups would be a staircase."""
+    tests = {
+        "speed_mps": [5.0, 10.0, 5.0, 10.0],
+        "max_sinking_m": [0.1, 0.2, 0.15, 0.3],
+        "campaign": ["a", "a", "b", "b"],
+        "source": ["one"] * 4,
+    }
+    study = study_of_columns(tests | columns, **content)
+    assert only_varying(SimpleNamespace(study=study)) == along
 
 
 def test_residuals_of_a_target_that_is_predicted_to_be_zero_are_drawn():
