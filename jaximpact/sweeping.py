@@ -189,6 +189,7 @@ def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis
     columns = columns_of_axes(axes, base)
     grid, seen = [], {}
     for name, values in axes.items():
+        expect("the name of an axis", name, str)
         axis = _checked_axis(name, values, columns)
         for quantity in axis.values:
             if quantity in seen:

@@ -16,10 +16,15 @@ if TYPE_CHECKING:
 
 FILES = ("simulate", "sweep", "calibrate", "runout", "tabulate")
 """Commands that take a TOML file."""
+OF_A_SCENE = ("simulate", "sweep")
+"""Commands whose files say the whole scene themselves, with its laws and shapes."""
+OWN = ":"
+"""Pattern of the name of a law or a shape of the user's own."""
 DESCRIPTION = """\
 Write the JSON schema of the TOML files of a command. An editor that knows it completes
 keys, shows units, ranges and meanings, and marks what is misspelt: in VS Code the
-extension Even Better TOML, elsewhere the language server taplo.
+extension Even Better TOML, elsewhere the language server taplo. Not marked are keys of
+tables that may hold those of a law or shape of your own.
 
     jaximpact schema calibrate --out study.schema.json
 
@@ -62,8 +67,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 def toml_schema(command: str) -> Schema:
     """Make the JSON schema, draft 7, of the TOML files of one of `FILES`, of what laws,
-    shapes and the readers of files declare. Laws of a user's own may bring keys of
-    their own, which pass."""
+    shapes and the readers of files declare. Laws and shapes of a user's own may bring
+    keys of their own, which pass where such may stand."""
     from ..accuracy import PRESETS
 
     tables = {
@@ -73,10 +78,11 @@ def toml_schema(command: str) -> Schema:
         "runout": _slope,
         "tabulate": _table,
     }[command]()
+    tables = tables | {"accuracy": _words(PRESETS)}
     return {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": f"jaximpact {command}",
-        **_closed(tables | {"accuracy": _words(PRESETS)}),
+        **(_closed_but_for_own if command in OF_A_SCENE else _closed)(tables),
     }
 
 
@@ -94,6 +100,37 @@ def _closed(properties: Mapping[str, Schema]) -> Schema:
 
 def _open(properties: Mapping[str, Schema]) -> Schema:
     return {"type": "object", "properties": dict(properties)}
+
+
+def _closed_but_for_own(properties: Mapping[str, Schema]) -> Schema:
+    """Describe a file that holds unknown keys, in any open table, only where it names a
+    law or a shape of the user's own."""
+    from ..quantities import SLOTS
+
+    named = {"type": "string", "pattern": OWN}
+    own = {"anyOf": [named, {"type": "array", "contains": named}]}
+    here = [{"required": [slot], "properties": {slot: own}} for slot in SLOTS]
+    levels = [{"type": "object", "anyOf": here}]
+    for _ in range(2):  # in a table of the file, and in a table of that
+        in_none = {"additionalProperties": {"not": levels[-1]}}
+        levels.append({"type": "object", "not": in_none})
+    table = _open(properties)
+    return table | {"if": {"anyOf": levels}, "else": _strict(table)}
+
+
+def _strict(table: Schema) -> Schema:
+    """Return what marks unknown keys in an open table, and in those inside it."""
+    known, others = table["properties"], table.get("additionalProperties")
+    inner = {
+        name: _strict(of)
+        for name, of in known.items()
+        if of.get("type") == "object" and of.get("additionalProperties") is not False
+    }
+    if others is None:
+        return {"propertyNames": _words(known), "properties": inner}
+    # Of [axes], in which tables have any names.
+    groups = {"type": "object"} | _strict(others["anyOf"][-1])
+    return {"properties": _each(known, {}), "additionalProperties": groups}
 
 
 def _each(names: Iterable[str], value: Schema) -> dict[str, Schema]:
@@ -161,14 +198,16 @@ def _law(slot: str) -> Schema:
     words = f"{', '.join(names)}; or one of your own, file.py:Name or module:Name"
     return {
         "description": words,
-        "anyOf": [_words(names), {"type": "string", "pattern": ":"}],
+        "anyOf": [_words(names), {"type": "string", "pattern": OWN}],
     }
 
 
 def _scene() -> dict[str, Schema]:
+    from ..quantities import SLOTS
     from ..scene import PARTS
 
-    tables = {part: _open(_values(part)) for part in PARTS}
+    has_laws = {*SLOTS.values()}
+    tables = {p: (_open if p in has_laws else _closed)(_values(p)) for p in PARTS}
     return {name: value for part in PARTS for name, value in _values(part).items()} | (
         tables
     )
@@ -187,10 +226,12 @@ def _sweep() -> dict[str, Schema]:
         for name, column in _columns().items()
     } | {"shape": TEXTS}
     together = _open(named | {LABELS: TEXTS})
-    return _scene() | {"axes": _open(named) | {"additionalProperties": together}}
+    others = {"additionalProperties": {"anyOf": [axis, together]}}
+    return _scene() | {"axes": _open(named) | others}
 
 
 def _study() -> dict[str, Schema]:
+    from ..calibration.problem.candidates import KEYS as FURTHER
     from ..calibration.problem.config import KEYS, METHODS, CompareTable
     from ..calibration.problem.noise import LOSSES, SCATTERS
     from ..quantities import LABEL_COLUMNS, TARGET_COLUMNS
@@ -223,6 +264,7 @@ def _study() -> dict[str, Schema]:
             "type": "array",
             "items": _open(_values("soil") | {"name": TEXT}),
         },
+        "further_tests": _closed(_each(FURTHER, {})),
         "compare": _closed(_each(CompareTable._fields, TEXTS)),
     }
     return _each(KEYS, {}) | known

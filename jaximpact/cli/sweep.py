@@ -1,6 +1,7 @@
 """`jaximpact sweep`: impacts over a grid of quantities."""
 
 import argparse
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -117,6 +118,9 @@ def run(arguments: argparse.Namespace) -> None:
 def _write_store(
     arguments: argparse.Namespace, out: Path, dataset: "xr.Dataset"
 ) -> None:
+    import xarray as xr
+
+    from ..io.datasets import OUTCOMES
     from ..lazy import write_zarr
 
     with (
@@ -125,6 +129,8 @@ def _write_store(
         ProgressLines() as progress,
     ):
         regions = write_zarr(out, dataset, progress=progress)
+    counts = xr.open_zarr(out, chunks=None).attrs[OUTCOMES]
+    print(_axes_and_outcomes(dataset.assign_attrs({OUTCOMES: counts})))
     say(
         f"{dataset.e_n.size} impacts in {out}: {regions.computed} of {regions.total} "
         f"regions computed, {regions.found} were there"
@@ -138,9 +144,6 @@ def in_words(dataset: "xr.Dataset") -> str:
     from .._tables import align
     from ..quantities import RESULT_COLUMNS
 
-    sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]
-    names, counts = np.unique(dataset.outcome, return_counts=True)
-    ends = [f"{c} {n}" for n, c in zip(names, counts, strict=True)]
     rows: list[tuple[str, ...]] = [("result", "unit", "least", "median", "largest")]
     for name, column in RESULT_COLUMNS.items():
         values = dataset[name].values
@@ -150,4 +153,13 @@ def in_words(dataset: "xr.Dataset") -> str:
             statistics = values.min(), np.median(values), values.max()
             cells = [f"{value:.4g}" for value in statistics]
         rows.append((name, column.unit, *cells))
-    return f"axes: {', '.join(sizes)}\noutcomes: {', '.join(ends)}\n{align(rows)}"
+    return f"{_axes_and_outcomes(dataset)}\n{align(rows)}"
+
+
+def _axes_and_outcomes(dataset: "xr.Dataset") -> str:
+    from ..io.datasets import OUTCOMES
+
+    sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]
+    counts = json.loads(dataset.attrs[OUTCOMES])
+    ends = [f"{count} {name}" for name, count in counts.items()]
+    return f"axes: {', '.join(sizes)}\noutcomes: {', '.join(ends)}"

@@ -1,12 +1,13 @@
 """Files that users name: read whole, written whole or not at all, by one process at a
 time."""
 
+import collections
 import contextlib
 import errno
 import os
 import re
 import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..errors import InputError
@@ -109,6 +110,16 @@ def check_text(path: Path, data: bytes) -> None:
         file=path,
         row=data.count(b"\n", 0, control.start()) + 1,
     )
+
+
+def by_name(checksums: Mapping[Path, str]) -> dict[str, str]:
+    """Name files by their names alone, which another folder leaves as they are, but
+    several of one name by their paths."""
+    count = collections.Counter(file.name for file in checksums)
+    return {
+        file.name if count[file.name] == 1 else file.as_posix(): checksum
+        for file, checksum in checksums.items()
+    }
 
 
 # --- Writing, whole or not at all.

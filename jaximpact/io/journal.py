@@ -25,21 +25,29 @@ HEAD = struct.Struct("<QI")
 
 
 class Journal:
-    """Rows of numbers, each with its index in the whole. Without any row the file is
-    removed at the end.
+    """Rows of numbers, each with its index in the whole.
 
     Args:
         path: the file; made if it is not there.
         subject: what is computed, ready for JSON; equal subjects have equal results.
         columns: names of the numbers in a row.
         count: how many rows there are in all; indices run from 0.
+        stays: whether the file stays at the end if it has no row.
 
     Raises InputError if the file is a journal of something else, or none, or cannot be
     written; BlockingIOError while another process writes it.
     """
 
-    def __init__(self, path: Path, subject: dict, columns: list[str], count: int):
-        self.path, self.count = Path(path), count
+    def __init__(
+        self,
+        path: Path,
+        subject: dict,
+        columns: list[str],
+        count: int,
+        *,
+        stays: bool = False,
+    ):
+        self.path, self.count, self.stays = Path(path), count, stays
         check_writable(self.path, option="the journal")
         self.row = np.dtype([("index", "<i8"), ("numbers", "<f8", (len(columns),))])
         line = json.dumps(subject | {"columns": columns}, sort_keys=True) + "\n"
@@ -85,7 +93,7 @@ class Journal:
 
     def _remove_if_empty(self, path: os.PathLike) -> bool:
         with contextlib.suppress(OSError):
-            if os.path.getsize(path) == len(self.first_line):
+            if not self.stays and os.path.getsize(path) == len(self.first_line):
                 os.unlink(path)
                 return True
         return False

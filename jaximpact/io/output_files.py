@@ -1,7 +1,8 @@
 """Outputs of commands: files named one by one, and directories of a study.
 
 `jaximpact-study.json` in a directory says whose results it has. A directory is used if
-it is new, or if it has the results of the same study.
+it is new, or if it has the results of the same study; of what came by a pipe nobody can
+tell.
 """
 
 import contextlib
@@ -13,6 +14,7 @@ from pathlib import Path
 
 from ..errors import IncompleteError, InputError, shown
 from .files import (
+    by_name,
     check_writable,
     locked,
     make_directory,
@@ -53,8 +55,8 @@ def output_directory(
             if not given.
 
     Raises InputError for a directory that cannot be made, that has other files or the
-    results of another study, and for inputs that would be overwritten; BlockingIOError
-    while another process writes there.
+    results of another study, or any results where an input is a pipe, and for inputs
+    that would be overwritten; BlockingIOError while another process writes there.
     """
     path, inputs = Path(path), [*inputs]
     files = [path / name for name in names]
@@ -64,6 +66,8 @@ def output_directory(
         refuse_inputs((("--out", file) for file in files), inputs)
         mark = {"command": command, "study": study or _contents(inputs)}
         is_new = _is_new(path, mark)
+        if not (study or is_new):
+            _check_comparable(path, inputs)
         for file in files:
             make_directory(file.parent, option="--out")
             if os.path.lexists(file) and not file.is_file():
@@ -133,7 +137,18 @@ def _mark_of(directory: Path) -> dict | None:
 def _contents(inputs: Iterable[Path]) -> dict[str, str]:
     """Return the SHA-256 of input files by their names; a pipe is empty by now."""
     files = [path for path in inputs if path.is_file()]
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    return by_name({f: hashlib.sha256(f.read_bytes()).hexdigest() for f in files})
+
+
+def _check_comparable(directory: Path, inputs: Iterable[Path]) -> None:
+    """Raise InputError, for a directory with results, where an input is no file: what
+    came by a pipe cannot be compared with what the results are of."""
+    for path in inputs:
+        if not path.is_file():
+            raise InputError(
+                f"--out {directory} has results, but what comes by {path}, which is no "
+                "file, cannot be compared with what they are of; choose a new directory"
+            )
 
 
 def manifest_path(path: Path) -> Path:

@@ -51,8 +51,9 @@ def write_results(
 
     Header and rows stand as they came; `RESULT_COLUMNS` and the outcome follow, every
     number with the digits that it takes to read the same number back, `nan` where there
-    is none. A name that ends in .parquet gets a file of Parquet. Both files appear
-    whole or not at all; files of the same names are replaced.
+    is none. A name that ends in .parquet gets a file of Parquet, in which columns that
+    came from such a file keep their types. Both files appear whole or not at all; files
+    of the same names are replaced.
 
     Raises InputError for a path that would replace the table of scenes, OSError where
     the file system refuses.
@@ -81,13 +82,16 @@ def write_results(
                 file.write("\n".join(lines) + "\n")
 
 
-def _columns(table: SceneTable, summary: ImpactSummary) -> dict[str, np.ndarray]:
-    names = next(csv.reader([table.header]))
-    cells = zip(*csv.reader(table.rows), strict=True)
-    columns = {
-        name.strip(): table.numbers.get(name.strip(), np.array(texts))
-        for name, texts in zip(names, cells, strict=True)
-    }
+def _columns(table: SceneTable, summary: ImpactSummary) -> dict:
+    if table.frame is not None:
+        columns: dict = {str(name).strip(): of for name, of in table.frame.items()}
+    else:
+        names = next(csv.reader([table.header]))
+        cells = zip(*csv.reader(table.rows), strict=True)
+        columns = {
+            name.strip(): table.numbers.get(name.strip(), np.array(texts))
+            for name, texts in zip(names, cells, strict=True)
+        }
     for name, column in RESULT_COLUMNS.items():
         columns[name] = np.asarray(getattr(summary, column.field))
     return columns | {OUTCOME_COLUMN: outcomes_in_words(summary.outcome_code)}

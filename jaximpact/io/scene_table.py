@@ -12,7 +12,7 @@ import itertools
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -43,7 +43,10 @@ from ..scene_quantities import (
 from ..shapes import MixedShapes
 from .checks import NO_DATA
 from .files import check_text, read_input
-from .parquet import csv_of_parquet, is_parquet
+from .parquet import csv_of_frame, is_parquet, read_frame
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
@@ -80,6 +83,8 @@ class SceneTable:
     """The laws, the shape of each row, and what stands for a missing column."""
     beside: tuple["SceneTable", ...] = ()
     """Tables of the files that rows name, as of curves."""
+    frame: "pd.DataFrame | None" = None
+    """The columns with their types, of a file of Parquet."""
 
     def scene(self) -> Scene:
         """Return all rows as one scene, in SI.
@@ -124,9 +129,11 @@ def read_table(
     """
     path = Path(path)
     data = read_input(path)
-    text = csv_of_parquet(path, data) if is_parquet(path) else data
+    frame = read_frame(path, data) if is_parquet(path) else None
+    text = data if frame is None else csv_of_frame(frame)
     table = table_of(text, path, measured=measured, base=base)
-    return dataclasses.replace(table, sha256=hashlib.sha256(data).hexdigest())
+    sha256 = hashlib.sha256(data).hexdigest()
+    return dataclasses.replace(table, sha256=sha256, frame=frame)
 
 
 @collector_paused()

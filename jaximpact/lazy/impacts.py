@@ -239,7 +239,7 @@ def _result_variables(
         # A grid has many times the blocks of any of its axes: no mistake.
         warnings.filterwarnings("ignore", "Increasing number of chunks")
         results = xr.apply_ufunc(
-            (Task if lazy else functools.partial)(_numbers, *common),
+            (Task if lazy else functools.partial)(_impact_numbers, *common),
             *arrays.values(),
             dask="parallelized",
             output_core_dims=[[] for _ in names],
@@ -255,7 +255,14 @@ def _result_variables(
     return variables
 
 
-def _numbers(
+def needs_impacts(array: Any) -> bool:
+    """Tell whether impacts are computed for an array of Dask, which calls what it has
+    to do after the functions."""
+    name = _impact_numbers.__name__.strip("_")
+    return any(step.startswith(f"{name}-") for step in array.dask.layers)
+
+
+def _impact_numbers(
     base: Scene,
     names: Sequence[str],
     kinds: Sequence[type[AbstractShape]],

@@ -32,6 +32,7 @@ from ..io.journal import Journal
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN
 from ..tasks import WorkerlessWarner, loss_of
+from .impacts import needs_impacts
 
 FORMAT = 2
 """Format of the stores: the one in which texts of a fixed length are specified."""
@@ -39,6 +40,10 @@ GROUP, ARRAY = "_regions", "journal"
 JOURNAL = Path(GROUP, ARRAY, "rows")
 """File in a store: for each region that is whole how many impacts ended in which way.
 It is in the folder of an array, as Zarr warns of files elsewhere that are not its."""
+ZARRS_OWN = ".zgroup"
+"""File of every store of this format; no variable has its name."""
+DIGEST = "U64"
+"""Type of an array of digests in hexadecimal figures."""
 POLL = 0.05
 """Seconds between looks for finished regions, as often as Dask's own."""
 
@@ -72,7 +77,10 @@ def write_zarr(
         path: the directory; made if need be.
         dataset: from `sweep` or `simulate_dataset`, or another whose largest variables
             have the same dimensions and chunks; these are written by region, all others
-            at the beginning.
+            at the beginning. Numbers that impacts are computed from are read twice, as
+            a store is of the values that it was begun with. No account is taken of
+            those that the dataset does not hold any more, nor of what is done to
+            results before they are written.
         progress: called as `progress(done, regions)`; the first call says what was
             there.
 
@@ -80,8 +88,9 @@ def write_zarr(
         How many regions there are, were found, and were computed.
 
     Raises:
-        InputError: a store of something else, or computed with other settings, laws or
-            versions; chunks of unequal lengths; Dask or Zarr that are not installed.
+        InputError: a store of something else, or computed from other numbers, with
+            other settings, laws or versions; chunks of unequal lengths; Dask or Zarr
+            that are not installed.
         IncompleteError: workers were lost for good; the same call goes on from there.
         BlockingIOError: another process on this machine writes the store.
     """
@@ -94,12 +103,13 @@ def write_zarr(
     template = dataset.drop_vars(regions.names).compute()
     if os.path.lexists(path) and not (path / JOURNAL).is_file():
         raise _no_store_of_this(path, "is there, but is no store written by region")
-    check_writable(path / "x" if path.is_dir() else path, option="the store")
+    check_writable(path / ZARRS_OWN if path.is_dir() else path, option="the store")
+    subject = _subject(template, dataset, regions)
     with locked(path, beside=True):
         if not path.exists():
-            _begin(path, template, dataset, regions)
+            _begin(path, template, dataset, regions, subject)
         with (
-            _open_journal(path, template, dataset, regions) as journal,
+            _open_journal(path, subject, regions) as journal,
             unfinished(path, _remove_partial),
         ):
             _remove_partial(path)
@@ -131,6 +141,8 @@ class _Regions(NamedTuple):
 
 
 def _regions_of(dataset: xr.Dataset) -> _Regions:
+    for name in (*dataset.sizes, *dataset.variables):
+        expect("the name of a dimension or variable of a store", name, str)
     lengths = {
         str(dim): dataset.chunksizes[dim]
         for dim in dataset.sizes
@@ -157,7 +169,11 @@ def _regions_of(dataset: xr.Dataset) -> _Regions:
 
 
 def _begin(
-    path: Path, template: xr.Dataset, dataset: xr.Dataset, regions: _Regions
+    path: Path,
+    template: xr.Dataset,
+    dataset: xr.Dataset,
+    regions: _Regions,
+    subject: dict,
 ) -> None:
     """Make the store without its regions; it appears whole or not at all."""
     array = needed("dask.array", "a store of Zarr")
@@ -187,29 +203,64 @@ def _begin(
             group = zarr.open_group(str(new), mode="r+", use_consolidated=False)
             marks = group.create_group(GROUP)
             marks.create_array(ARRAY, shape=(0,), chunks=(1,), dtype="int8")
-            (new / JOURNAL).touch()
+            with _open_journal(new, subject, regions):
+                pass  # Its first line says from now on what the store is of.
             os.rename(new, path)
         except BaseException:
             remove_for_good(new)  # which Zarr's own thread may be writing still
             raise
 
 
-def _open_journal(
-    path: Path, template: xr.Dataset, dataset: xr.Dataset, regions: _Regions
-) -> Journal:
-    """Open the journal of a store. Raises InputError unless the store was begun for the
-    same dataset, by everything but the numbers that are to be computed."""
+def _subject(template: xr.Dataset, dataset: xr.Dataset, regions: _Regions) -> dict:
+    """Return what a store is of: everything but the numbers that are to be computed."""
     template = template.copy()
     template.attrs.pop(OUTCOMES, None)
     variables = {
         name: (dataset[name].dims, dataset[name].dtype.str, dataset[name].attrs)
         for name in regions.names
     }
-    content = json.dumps([template.to_dict(), variables, regions], default=str)
-    subject = {"dataset": hashlib.sha256(content.encode()).hexdigest()}
+    inputs = _digests_of_inputs(dataset, regions)
+    content = [template.to_dict(), variables, regions, inputs]
+    text = json.dumps(content, default=str)
+    return {"dataset": hashlib.sha256(text.encode()).hexdigest()}
+
+
+def _digests_of_inputs(dataset: xr.Dataset, regions: _Regions) -> dict[str, list]:
+    """Return, for each variable that impacts are computed from, a digest of each block.
+
+    Names that Dask gives to arrays would cost nothing, but change with the time of a
+    file and the lines of a script. Without impacts whatever is costly may be among the
+    variables, and is not computed twice.
+    """
+    base = needed("dask.base", "a store of Zarr")
+    arrays = {name: dataset[name].data for name in regions.names}
+    inputs = {name: of for name, of in arrays.items() if not needs_impacts(of)}
+    if len(inputs) == len(arrays):
+        return {}
+    digests = [
+        array.map_blocks(
+            _digest,
+            chunks=[(1,) * count for count in array.numblocks],
+            meta=np.empty((0,) * array.ndim, DIGEST),
+        )
+        for array in inputs.values()
+    ]
+    lists = [digest.tolist() for digest in base.compute(*digests)]
+    return dict(zip(inputs, lists, strict=True))
+
+
+def _digest(block: np.ndarray) -> np.ndarray:
+    """Return an array of one digest, of the values of a block."""
+    digest = hashlib.sha256(block.tobytes()).hexdigest()
+    return np.full((1,) * block.ndim, digest, DIGEST)
+
+
+def _open_journal(path: Path, subject: dict, regions: _Regions) -> Journal:
+    """Open the journal of a store. Raises InputError unless the store was begun for
+    this subject."""
     columns = [str(outcome) for outcome in Outcome]
     try:
-        return Journal(path / JOURNAL, subject, columns, regions.count)
+        return Journal(path / JOURNAL, subject, columns, regions.count, stays=True)
     except InputError as error:
         raise _no_store_of_this(
             path,

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._checks import expect, real_numbers, whole_number
 from .._packages import versions
 from .._precision import require_float64
 from ..accuracy import Accuracy, get_accuracy
@@ -56,7 +57,10 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
 
     Directions of approach, orientations and slopes are uniform, speeds log-uniform from
     1 m/s on, if the table has such, or from its first speed on.
+
+    Raises InputError for a count that is no whole number from 1 on.
     """
+    count = whole_number("the number of random impacts", count, 1)
     generator = np.random.default_rng(seed)
     first, high = float(table.speeds[0]), float(table.speeds[-1])
     low = max(first, 1.0) if high > 1.0 else first
@@ -107,7 +111,8 @@ def measure_error(
             the number of random ones.
         accuracy: of the model; by default that of the table.
 
-    Raises InputError where no impact is left to be compared.
+    Raises InputError where no impact is left to be compared, and for impacts that are
+    neither an Impact nor a number of them.
     """
     are_impacts = isinstance(impacts, Impact)
     sample = impacts if are_impacts else random_impacts(table, impacts)
@@ -204,12 +209,13 @@ def tabulate(
     require_float64()
     block, soil = block or Block(), soil or Soil()
     nodes = nodes or Nodes()
-    slopes = np.array(slopes, float)
-    _check(block, soil, slopes, speeds, nodes)
+    slopes = np.asarray(real_numbers("slopes of a table", slopes))
+    ends = np.asarray(real_numbers("speeds of a table", speeds))
+    _check(block, soil, slopes, ends, nodes)
     if block.shape.is_round():
         nodes = nodes._replace(orientation=1)
     scale = float(gravity_speed(block))
-    low, high = np.arcsinh(np.asarray(speeds) / scale)
+    low, high = np.arcsinh(ends / scale)
     axes = _axes(
         scale * np.sinh(np.linspace(low, high, nodes.speed)), slopes, nodes[1:]
     )
@@ -296,10 +302,10 @@ def _axes(speeds, slopes, counts) -> list[np.ndarray]:
 
 def _check(block, soil, slopes, speeds, nodes) -> None:
     check_scene(Scene(block, soil))
-    low, high = speeds
-    if not 0.0 < low < high < np.inf:
+    if speeds.shape != (2,) or not 0.0 < speeds[0] < speeds[1] < np.inf:
         raise ValueError(
-            f"speeds of a table must ascend from above 0, but got {speeds}"
+            "speeds of a table must be the first and the last, ascending from above "
+            f"0, but got {speeds.tolist()}"
         )
     problem = None
     if slopes.ndim != 1 or not len(slopes) or not np.all(np.diff(slopes) > 0.0):
@@ -310,10 +316,9 @@ def _check(block, soil, slopes, speeds, nodes) -> None:
         raise ValueError(
             f"slopes of a table must be {problem}, but got {slopes.tolist()}"
         )
+    expect("nodes", nodes, Nodes)
     for name, count in nodes._asdict().items():
-        if count < (1 if name == "orientation" else 2):
-            raise ValueError(
-                f"a table needs at least 2 nodes of {name}, but got {count}"
-            )
+        least = 1 if name == "orientation" else 2
+        whole_number(f"the number of nodes of {name}", count, least)
     size = math.prod(nodes) * len(slopes)
     check_memory(size * NUMBERS_PER_IMPACT, f"a table of {size} nodes")

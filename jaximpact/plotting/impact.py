@@ -37,6 +37,8 @@ from .style import (
 FORCE_UNITS = ((1e3, "kN"), (1.0, "N"))
 LENGTH_UNITS = ((1e-2, "cm"), (1e-3, "mm"))
 ENERGY_UNITS = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"))
+LINE = 100
+"""Letters of a line of the title: of 10 points they take 7 of the figure's 8 inches."""
 
 
 @in_style
@@ -93,29 +95,41 @@ def _first_rows(history: History, count: int) -> History:
 
 
 def scene_in_words(scene: Scene) -> str:
-    """Block and impact in one line; shapes but the ellipsoid are named, with their own
-    parameters; spin, slope and width only where they matter."""
+    """Block and impact in one line, or each in its own where that is too long; shapes
+    but the ellipsoid are named, with their own parameters; spin, slope and width only
+    where they matter."""
     block, impact = scene.block, scene.impact
-    words = [f"{float(block.mass):.4g} kg"]
+    of_block = [f"{float(block.mass):.4g} kg"]
     if type(block.shape) is not Ellipsoid:
-        words.append(_in_words(type(block.shape).__name__))
-    words.append(f"$A_r$ = {float(block.aspect_ratio):.3g}")
+        of_block.append(_in_words(type(block.shape).__name__))
+    of_block.append(f"$A_r$ = {float(block.aspect_ratio):.3g}")
     if block.out_of_plane_ratio != 1.0:
-        words.append(f"W/R = {float(block.out_of_plane_ratio):.3g}")
+        of_block.append(f"W/R = {float(block.out_of_plane_ratio):.3g}")
     for name, said in parameters_of(block.shape).items():
         if name not in ("aspect_ratio", "out_of_plane_ratio"):
             value = float(getattr(block.shape, name)) / said.factor
             unit = "" if said.unit == "-" else f" {said.unit}"
-            words.append(plain(f"{name.replace('_', ' ')} {value:.3g}{unit}"))
-    words += [
+            of_block.append(plain(f"{name.replace('_', ' ')} {value:.3g}{unit}"))
+    of_impact = [
         f"{float(impact.speed):.3g} m/s at {np.degrees(float(impact.angle)):.3g}°",
         f"orientation {np.degrees(float(impact.orientation)):.4g}°",
     ]
     if impact.angular_velocity != 0.0:
-        words.append(f"spin {np.degrees(float(impact.angular_velocity)):.4g}°/s")
+        of_impact.append(f"spin {np.degrees(float(impact.angular_velocity)):.4g}°/s")
     if impact.slope != 0.0:
-        words.append(f"slope {np.degrees(float(impact.slope)):.3g}°")
-    return ",  ".join(words)
+        of_impact.append(f"slope {np.degrees(float(impact.slope)):.3g}°")
+    whole = _in_lines(of_block + of_impact)
+    if "\n" not in whole:
+        return whole
+    return f"{_in_lines(of_block)},\n{_in_lines(of_impact)}"
+
+
+def _in_lines(words: list[str]) -> str:
+    lines = words[:1]
+    for word in words[1:]:
+        longer = f"{lines[-1]},  {word}"
+        lines = [*lines[:-1], longer] if len(longer) <= LINE else [*lines, word]
+    return ",\n".join(lines)
 
 
 def _in_words(name: str) -> str:

@@ -49,6 +49,15 @@ def test_a_named_set(study, tmp_path):
     }
 
 
+def test_points_of_a_store_are_counted_as_those_of_a_file(folder, capsys):
+    # A block of no mass to speak of cannot be integrated.
+    (folder / "fails.toml").write_text("[axes]\nmass_kg = [1e-300, 100, 200]\n")
+    for out in ("a.nc", "a.zarr", "a.zarr"):
+        assert main(["sweep", "fails.toml", "--out", out]) == 0
+        said = capsys.readouterr().out
+        assert said.startswith("axes: mass_kg 3\noutcomes: 2 detached, 1 failed\n")
+
+
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [

@@ -228,6 +228,59 @@ def test_whole_numbers_have_none():
         jax.jacfwd(twice)(jnp.ones(2))
 
 
+def test_beside_the_end_of_a_range_they_are_nan_and_not_wrong():
+    """A relative density ends at 1, beyond which impacts fail with derivatives of 0."""
+
+    def e_n(log_density):
+        soil = Soil(relative_density=jnp.exp(log_density))
+        impact = Impact(angle=0.5, orientation=0.3)
+        return simulate(Block(aspect_ratio=2.0), soil, impact, accuracy="reference").e_n
+
+    at, step = jnp.log(0.995), 2e-3
+    assert jnp.isnan(jax.hessian(with_second_derivatives(e_n))(at))
+    assert jax.grad(with_second_derivatives(e_n))(at) == jax.grad(e_n)(at)
+    ends = e_n(at + step) + e_n(at - step) - 2.0 * e_n(at)
+    found = jax.hessian(with_second_derivatives(e_n, step))(at)
+    # Both by differences over 2e-3: of 0.77, the second-order error of both and the
+    # noise of values of 1e-8, by the step squared
+    np.testing.assert_allclose(found, ends / step**2, rtol=2e-2)
+
+
+def test_a_result_that_is_nan_anyway_keeps_the_others():
+    twice = with_second_derivatives(lambda x: jnp.stack([x**2, jnp.log(-x)]))
+    assert_close(jax.jacfwd(jax.jacfwd(twice))(2.0)[0], 2.0, 1e-12)
+
+
+def test_whole_numbers_among_parameters_are_not_moved():
+    def function(tree):
+        return tree["x"] ** tree["power"]
+
+    twice = with_second_derivatives(function)
+    for power in (3, jnp.asarray(3)):
+        at = {"x": 2.0, "power": power}
+        slope = jax.grad(twice, allow_int=True)(at)["x"]
+        assert slope == jax.grad(function, allow_int=True)(at)["x"]
+        for derivatives in (jax.hessian, lambda of: jax.jacrev(jax.jacrev(of))):
+            of_x = derivatives(lambda x, power=power: twice({"x": x, "power": power}))
+            # The third derivative does not change: rounding, by the step
+            assert_close(jax.jit(of_x)(2.0), 12.0, 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (0, "step must be above 0, but is 0"),
+        (-1e-2, "step must be above 0, but is -0.01"),
+        (jnp.nan, "step must be a finite number, but is nan"),
+        ("a", "step must be a number or an array of numbers, but is 'a'"),
+        (None, "step must be a number or an array of numbers, but is None"),
+    ],
+)
+def test_a_step_is_a_number_above_0(step, message):
+    with pytest.raises(InputError, match=message):
+        with_second_derivatives(rebound, step)
+
+
 def test_there_are_no_third_ones():
     logs = jnp.log(jnp.array([0.8, 6.0]))
     with pytest.raises(NotImplementedError, match="with_second_derivatives"):

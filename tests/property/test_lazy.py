@@ -306,6 +306,65 @@ def test_a_store_of_another_study_is_refused(tmp_path, how):
         write_zarr(tmp_path / "a.zarr", sweep(**usual | how))
 
 
+def scenes_in_chunks(heaviest=500.0):
+    mass = np.linspace(50.0, heaviest, 5)
+    return xr.Dataset({"mass_kg": ("block", mass)}).chunk(block=2)
+
+
+def test_a_store_is_of_the_values_of_numbers_in_chunks(tmp_path):
+    """Whichever file or function they come from."""
+    path, scenes = tmp_path / "a.zarr", scenes_in_chunks()
+    assert write_zarr(path, simulate_dataset(scenes)).computed == 3
+    scenes.to_zarr(tmp_path / "scenes.zarr", zarr_format=2)
+    elsewhere = xr.open_zarr(tmp_path / "scenes.zarr")
+    computed = scenes.map(lambda mass: 2.0 * (0.5 * mass))
+    for same in (elsewhere, computed):
+        assert write_zarr(path, simulate_dataset(same)).found == 3
+    for other in (scenes_in_chunks(501.0), scenes.isel(block=slice(None, None, -1))):
+        with pytest.raises(InputError, match="begun for another dataset"):
+            write_zarr(path, simulate_dataset(other.chunk(block=2)))
+
+
+def test_a_store_is_of_shapes_in_chunks(tmp_path):
+    def lazy(*names):
+        scenes = {"shape": ("x", [*names]), "mass_kg": ("x", [1.0, 2.0, 3.0])}
+        return simulate_dataset(xr.Dataset(scenes).chunk(x=1))
+
+    names = ["Ellipsoid", "RectangularPrism", "Ellipsoid"]
+    assert write_zarr(tmp_path / "a.zarr", lazy(*names)).computed == 3
+    assert write_zarr(tmp_path / "a.zarr", lazy(*names)).found == 3
+    with pytest.raises(InputError, match="begun for another dataset"):
+        write_zarr(tmp_path / "a.zarr", lazy(*names[1:], "Ellipsoid"))
+
+
+def test_what_is_made_of_results_is_computed_once(tmp_path, computed):
+    lazy = simulate_dataset(scenes_in_chunks())
+    lazy["lost"] = 1.0 - lazy.e_n**2
+    write_zarr(tmp_path / "a.zarr", lazy)
+    assert sorted(computed) == [1, 2, 2]
+
+
+def test_a_store_without_a_whole_region_is_taken_up(tmp_path):
+    path, lazy = tmp_path / "a.zarr", simulate_dataset(scenes_in_chunks())
+
+    def interrupted(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_zarr(path, lazy, progress=interrupted)
+    with pytest.raises(InputError, match="begun for another dataset"):
+        write_zarr(path, simulate_dataset(scenes_in_chunks(501.0)))
+    assert write_zarr(path, lazy) == WrittenRegions(total=3, found=0, computed=3)
+
+
+def test_a_coordinate_may_have_any_name(tmp_path):
+    """Also that of a file by which is found whether a directory can be written."""
+    scenes = scenes_in_chunks().assign_coords(x=("block", np.arange(5.0)))
+    lazy = simulate_dataset(scenes)
+    assert write_zarr(tmp_path / "a.zarr", lazy).computed == 3
+    assert write_zarr(tmp_path / "a.zarr", lazy).found == 3
+
+
 def test_a_directory_of_something_else_is_refused(tmp_path):
     (tmp_path / "a.zarr" / "e_n").mkdir(parents=True)
     (tmp_path / "a.zarr" / "letter.txt").write_text("mine")
@@ -325,6 +384,13 @@ def test_datasets_without_regions_are_refused(tmp_path, chunks, message):
     how = {} if chunks is None else {"chunks": {"angle_deg": chunks}}
     with pytest.raises(InputError, match=message):
         write_zarr(tmp_path / "a.zarr", sweep(BASE, STORED_AXES, **how))
+
+
+@pytest.mark.parametrize("names", [{"block": 3}, {"e_n": 3}])
+def test_names_that_are_no_texts_are_refused(tmp_path, names):
+    lazy = simulate_dataset(scenes_in_chunks()).rename(names)
+    with pytest.raises(InputError, match=r"of a store must be of type str, but is 3"):
+        write_zarr(tmp_path / "a.zarr", lazy)
 
 
 def test_chunks_of_no_size_are_regions_too(tmp_path):

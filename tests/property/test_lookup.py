@@ -311,12 +311,17 @@ def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_pa
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"speeds": (0.0, 10.0)}, "speeds of a table must ascend from above 0"),
-        ({"speeds": (5.0, 1.0)}, "speeds of a table must ascend"),
+        ({"speeds": (0.0, 10.0)}, "the last, ascending from above 0, but got"),
+        ({"speeds": (5.0, 1.0)}, "speeds of a table must be the first and the last"),
+        ({"speeds": (1, 2, 3)}, r"must be the first and the last, .* \[1.0, 2.0, 3.0"),
+        ({"speeds": ("1", "2")}, "speeds of a table must be a number or an array of"),
+        ({"slopes": ["a"]}, "slopes of a table must be a number or an array of num"),
         ({"slopes": []}, "slopes of a table must be a list that ascends"),
         ({"slopes": [0.2, 0.1]}, "slopes of a table must be a list that ascends"),
         ({"slopes": [2.0]}, r"slopes of a table must be in \(-pi/2, pi/2\)"),
-        ({"nodes": Nodes(speed=1)}, "a table needs at least 2 nodes of speed"),
+        ({"nodes": Nodes(speed=1)}, "number of nodes of speed must be at least 2"),
+        ({"nodes": Nodes(2.5, 2, 2, 2)}, "nodes of speed must be a whole number"),
+        ({"nodes": (2, 2, 2, 2)}, "nodes must be of type Nodes, but is"),
         ({"block": Block(mass=-1.0)}, "mass"),
         ({"accuracy": "quick"}, "accuracy must be one of"),
     ],
@@ -324,6 +329,15 @@ def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_pa
 def test_values_out_of_range_are_told(values, message):
     with pytest.raises(ValueError, match=message):
         tabulate(**values)
+
+
+@pytest.mark.parametrize(
+    ("count", "message"),
+    [(-1, "must be at least 1"), (0, "must be at least 1"), (1.5, "a whole number")],
+)
+def test_a_count_of_random_impacts_is_a_whole_number(of_sphere, count, message):
+    with pytest.raises(InputError, match=f"number of random impacts .*{message}"):
+        measure_error(of_sphere, count)
 
 
 def test_impacts_that_a_table_does_not_have_are_no_failures_of_the_model(of_sphere):

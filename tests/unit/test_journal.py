@@ -51,6 +51,13 @@ def test_one_without_rows_does_not_stay(tmp_path):
     assert not [*tmp_path.iterdir()]
 
 
+def test_one_that_stays_is_of_its_subject_without_rows_too(tmp_path):
+    with Journal(tmp_path / "j", SUBJECT, COLUMNS, 100, stays=True):
+        pass
+    with pytest.raises(InputError, match="no journal of this run"):
+        Journal(tmp_path / "j", {"of": "another"}, COLUMNS, 100)
+
+
 def test_cut_anywhere_it_keeps_the_whole_blocks(tmp_path):
     path = tmp_path / "j"
     ends = fill(path)

@@ -242,6 +242,31 @@ def test_a_study_is_its_command_and_what_it_reads(tmp_path):
     assert names_in(out) == {"a.csv"}
 
 
+def test_inputs_of_one_name_are_all_of_the_study(tmp_path):
+    inputs = [tmp_path / folder / "tests.csv" for folder in "ab"]
+    for file in inputs:
+        file.parent.mkdir()
+        file.write_text(file.parent.name)
+    for edited in inputs:
+        out = tmp_path / f"of {edited.parent.name}"
+        write(out, "a.csv", inputs=inputs)
+        write(out, "a.csv", inputs=inputs)
+        edited.write_text("edited")
+        with pytest.raises(InputError, match="for another study"):
+            write(out, "a.csv", inputs=inputs)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no such pipes")
+def test_results_of_what_came_by_a_pipe_are_not_replaced(tmp_path):
+    pipe, out = tmp_path / "pipe", tmp_path / "out"
+    os.mkfifo(pipe)
+    write(out, inputs=[pipe])  # without a file yet
+    write(out, "a.csv", inputs=[pipe])
+    with pytest.raises(InputError, match=r"has results, but what comes by .*pipe, w"):
+        write(out, "a.csv", inputs=[pipe], text="other")
+    assert (out / "a.csv").read_text() == "it"
+
+
 def test_a_run_that_failed_before_its_first_file_leaves_a_new_directory(tmp_path):
     def fail():
         with output_directory(tmp_path, "test", ["a.csv"], study={"seed": 1}):

@@ -8,14 +8,16 @@ import jax
 import matplotlib
 import numpy as np
 import pytest
+from calibration_studies import study_of_columns
 from matplotlib import pyplot
+from matplotlib.figure import Figure
 from PIL import Image
 
-from jaximpact import Block, Impact, Outcome, Soil, simulate
-from jaximpact.calibration.report.drawings import draw_residuals
+from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate
+from jaximpact.calibration.report.drawings import draw_residuals, only_varying
 from jaximpact.errors import InputError
-from jaximpact.plotting.impact import outline
-from jaximpact.plotting.style import COLOURS, plotted, png_bytes
+from jaximpact.plotting.impact import outline, scene_in_words
+from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
 from jaximpact.plotting.style import panels as panels_of
 
 PANELS = ["contact force", "penetration", "rotation", "energy", "side view, to scale"]
@@ -54,6 +56,21 @@ def test_without_a_history_one_is_recorded_under_the_laws_of_the_result():
     assert abs(usual / result.max_penetration - 1.0) > 0.1
     # Without tangential velocity there is no coefficient of it.
     assert "e_t" not in axes[0].figure.get_suptitle()
+
+
+def test_the_title_of_a_scene_of_many_words_stays_within_the_figure():
+    block = Block(mass=500.0, aspect_ratio=2.0, shape="RectangularPrism")
+    impact = Impact.from_degrees(angle=40, angular_velocity=100, slope=30)
+    figure = Figure()
+    title = figure.suptitle(scene_in_words(Scene(block, impact=impact)), fontsize=10)
+    figure.set_size_inches(WIDTH, 9.0)
+    figure.canvas.draw()
+    assert [line.split(",")[0] for line in title.get_text().split("\n")] == [
+        "500 kg",
+        "14 m/s at 40°",
+    ]
+    assert title.get_window_extent().x0 > 0.0
+    assert title.get_window_extent().x1 < figure.bbox.width
 
 
 @pytest.mark.slow
@@ -206,6 +223,33 @@ def test_a_drawing_that_fails_leaves_no_figure():
     with pytest.raises(ValueError):  # noqa: PT011
         plotted(fails)
     assert not pyplot.get_fignums()
+
+
+SLOPE = {"prior": {"mean": 10.0, "sd": 1.0}}
+
+
+@pytest.mark.parametrize(
+    ("columns", "content", "along"),
+    [
+        ({}, {}, "speed_mps"),
+        ({"mass_kg": [1.0, 2.0, 1.0, 2.0]}, {}, None),
+        ({"shape": ["Ellipsoid", "RectangularPrism"] * 2}, {}, None),
+        ({"shape": ["EllipticCylinder"] * 4}, {}, "speed_mps"),
+        ({}, {"parameters": {"c_v": {"by": "campaign", "group_sd": 0.5}}}, None),
+        ({}, {"nuisance": {"slope_deg": SLOPE | {"by": "row"}}}, None),
+        ({}, {"nuisance": {"slope_deg": SLOPE | {"by": "source"}}}, "speed_mps"),
+    ],
+)
+def test_a_fit_is_drawn_over_what_alone_differs(columns, content, along):
+    """One line through tests of other shapes or groups would be a staircase."""
+    tests = {
+        "speed_mps": [5.0, 10.0, 5.0, 10.0],
+        "max_sinking_m": [0.1, 0.2, 0.15, 0.3],
+        "campaign": ["a", "a", "b", "b"],
+        "source": ["one"] * 4,
+    }
+    study = study_of_columns(tests | columns, **content)
+    assert only_varying(SimpleNamespace(study=study)) == along
 
 
 def test_residuals_of_a_target_that_is_predicted_to_be_zero_are_drawn():

@@ -34,6 +34,26 @@ def test_studies_of_the_repository_pass(study):
     assert not problems("runout" if "profile" in content else "calibrate", content)
 
 
+OWN = {"flow": "my_laws.py:MyFlow"}
+
+
+@pytest.mark.parametrize(
+    ("command", "content"),
+    [
+        ("simulate", OWN | {"my_rate": 3.0}),
+        ("simulate", {"my_rate": 3.0, "soil": OWN}),
+        ("sweep", OWN | {"axes": {"my_rate": [1, 2]}}),
+        ("sweep", {"soil": OWN, "axes": {"g": {"my_rate": [1], "c_v": [1]}}}),
+        ("sweep", {"axes": {"shape": ["my.py:Egg"], "my_bend": [1]}}),
+        ("sweep", {"axes": {"g": {"shape": ["my.py:Egg"], "my_bend": [1]}}}),
+    ],
+)
+def test_keys_of_own_laws_pass_where_one_is_named(command, content):
+    assert not problems(command, content)
+    of_ours = json.dumps(content).replace("my_laws.py:MyFlow", "Perzyna")
+    assert problems(command, json.loads(of_ours.replace("my.py:Egg", "Ellipsoid")))
+
+
 def test_values_of_all_kinds_pass():
     own = {"flow": "my_laws.py:MyFlow", "my_rate": 3.0}
     assert not problems("simulate", {"speed_mps": 10.0, "soil": own})
@@ -57,6 +77,12 @@ def test_values_of_all_kinds_pass():
         ("simulate", {"friction_angle_deg": 60}, "maximum of 60"),
         ("simulate", {"soil": {"flow": "Perzina"}}, "not valid under any"),
         ("runout", {"profile": {"point_m": []}}, "'point_m' was unexpected"),
+        ("simulate", {"speed_mp": 3}, "'speed_mp' is not one of"),
+        ("simulate", {"impact": {"speed_mp": 3}}, "'speed_mp' was unexpected"),
+        ("simulate", {"soil": {"gama_v": 3}}, "'gama_v' is not one of"),
+        ("sweep", {"axes": {"angle_dg": [1, 2]}}, "is not of type 'object'"),
+        ("sweep", {"axes": {"g": {"angle_dg": [1]}}}, "'angle_dg' is not one of"),
+        ("calibrate", {"further_tests": {"kount": 3}}, "'kount' was unexpected"),
     ],
 )
 def test_what_is_refused_does_not_pass(command, content, said):

@@ -250,6 +250,57 @@ def test_a_table_in_parquet_is_the_csv(frame, tmp_path):
     assert (tmp_path / "results.parquet.manifest.json").exists()
 
 
+def test_columns_of_parquet_are_carried_along_with_their_types(tmp_path):
+    frame = pd.DataFrame(
+        {
+            "id": pd.array([7, None, 9], dtype="Int64"),
+            "mass_kg": [100, 200, 300],
+            "test": [True, False, True],
+            "date": pd.to_datetime(["2020-01-01", "2020-01-02", "2020-01-03"]),
+            "note": [None, "a", ""],
+            "comment": [1.0, np.nan, 3.0],
+            "angle_deg": np.array([0.1, 0.2, 0.3], np.float32),
+        },
+        index=[5, 3, 8],
+    )
+    frame.to_parquet(tmp_path / "scenes.parquet")
+    table = read_table(tmp_path / "scenes.parquet")
+    result = simulate_batch(table.scene())
+    out = tmp_path / "results.parquet"
+    write_results(out, table, result, result.accuracy)
+    received = pd.read_parquet(out)[[*frame]]
+    came = pd.read_parquet(tmp_path / "scenes.parquet").reset_index(drop=True)
+    pd.testing.assert_frame_equal(received, came)
+
+
+@pytest.mark.parametrize("kind", ["float16", "float32", "Float32"])
+def test_short_numbers_of_parquet_keep_every_bit(tmp_path, kind):
+    angles = pd.Series([0.1, 0.7]).astype(kind)
+    pd.DataFrame({"angle_deg": angles}).to_parquet(tmp_path / "a.parquet")
+    numbers = read_table(tmp_path / "a.parquet").numbers["angle_deg"]
+    assert numbers.tolist() == angles.astype(float).tolist() != [0.1, 0.7]
+
+
+def test_labels_of_parquet_may_hold_any_end_of_a_line(tmp_path):
+    names = ["a\rb", "a\nb", "a\r\nb", '"a, b"', "\r"]
+    frame = pd.DataFrame({"name": names, "mass_kg": 100.0})
+    frame.to_parquet(tmp_path / "a.parquet")
+    table = read_table(tmp_path / "a.parquet", measured=True)
+    assert table.labels["name"] == [name.strip() for name in names]
+    pd.DataFrame({"name": [" ", None, "a"]}).to_parquet(tmp_path / "alone.parquet")
+    assert len(read_table(tmp_path / "alone.parquet").rows) == 3
+
+
+def test_a_column_of_parquet_that_stands_twice_is_named(tmp_path):
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    masses = pyarrow.array([1.0, 2.0])
+    table = pyarrow.table([masses, masses], names=["mass_kg", "mass_kg"])
+    parquet.write_table(table, tmp_path / "a.parquet")
+    with pytest.raises(InputError, match="column mass_kg: stands twice"):
+        read_table(tmp_path / "a.parquet")
+
+
 def test_bad_values_are_told_as_of_a_csv(frame, tmp_path):
     frame.loc[4, "angle_deg"] = 95.0
     frame.to_parquet(tmp_path / "scenes.parquet")

@@ -15,6 +15,8 @@ from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.toml import Key, check_keys, choice, known_table, number, typed, whole
 from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS, InputColumn, why_unknown
 
+KEYS = ("candidates", "measure", "count", "criterion")
+"""Keys of the table `further_tests`."""
 CRITERIA = ("D", "A")
 COUNT = 3
 MOST = 1000
@@ -109,8 +111,7 @@ def read_candidates(
     """Read the table `further_tests` of a study with these fitted parameters and
     columns of the scene."""
     key = top["further_tests"]
-    known = "candidates", "measure", "count", "criterion"
-    entries = known_table(top, content, "further_tests", known)
+    entries = known_table(top, content, "further_tests", KEYS)
     candidates = typed(key, entries, "candidates", dict, {})
     axes = checked_axes(candidates, fitted, columns, **key["candidates"].place)
     sigmas = {

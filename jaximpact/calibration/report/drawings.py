@@ -72,8 +72,13 @@ def label_of(name: str, inputs: dict[str, InputColumn] | None = None) -> str:
 
 
 def only_varying(result: StudyResult) -> str | None:
-    """Find the only quantity in which the tests differ, if there is one."""
-    inputs = result.study.tests.inputs
+    """Find the only quantity in which the tests differ, if there is one: neither shapes
+    nor what is fitted to each group differ beside it."""
+    study, inputs = result.study, result.study.tests.inputs
+    if len({*study.tests.shapes}) > 1 or any(
+        len(n.groups) > 1 for n in study.nuisances
+    ):
+        return None
     varying = [name for name, values in inputs.items() if np.ptp(values) > 0.0]
     return varying[0] if len(varying) == 1 else None
 

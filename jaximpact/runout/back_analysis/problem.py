@@ -14,7 +14,7 @@ import numpy as np
 from ...errors import did_you_mean
 from ...identity import part_names
 from ...io.checks import check_memory
-from ...io.files import read_input
+from ...io.files import by_name, read_input
 from ...io.toml import Key, of_kind, parse_toml, typed, unknown, whole
 from ...quantities import InputColumn
 from ...scene import Soil
@@ -24,7 +24,7 @@ from ..study.barriers import Barrier, read_barriers
 from ..study.contact_laws import columns_of_law
 from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
-from ..study.slope_file import SlopeInput, by_name, read_slope_input
+from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
 from .observed import PER_PLACE, Observations, read_observed
 

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from ..._packages import versions
-from ...io.files import write_text
+from ...io.files import by_name, write_text
 from ...io.output_files import NewFile
 from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
@@ -18,7 +18,6 @@ from ..study.barriers import (
     effect_table,
     estimate_table,
 )
-from ..study.slope_file import by_name
 from .observed import ObservedCount
 from .posterior import WIDE, FittedParameter
 from .predictive import RARE, SlopeCalibration

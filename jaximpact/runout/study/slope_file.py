@@ -1,6 +1,5 @@
 """Run-out study from a TOML file."""
 
-import collections
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 from ..._settings import numpy_settings
 from ...identity import part_names
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
-from ...io.files import read_input
+from ...io.files import by_name, read_input
 from ...io.toml import Key, check_keys, number, parse_toml, typed, whole
 from ..blocks import Release
 from ..random_inputs import Quantity, combinations, draw, is_random
@@ -104,16 +103,6 @@ class StudyInputs(NamedTuple):
     def checksums_by_name(self) -> dict[str, str]:
         """SHA-256 of the files by their names."""
         return by_name(self.checksums)
-
-
-def by_name(checksums: Mapping[Path, str]) -> dict[str, str]:
-    """Name files by their names alone, which another folder leaves as they are, but
-    several of one name by their paths."""
-    count = collections.Counter(file.name for file in checksums)
-    return {
-        file.name if count[file.name] == 1 else file.as_posix(): checksum
-        for file, checksum in checksums.items()
-    }
 
 
 class SlopeStudy(NamedTuple):
