@@ -34,8 +34,8 @@ def with_second_derivatives(
         The function, with the same values and first derivatives. The second ones are
         central differences of its Jacobian, and the same in either order. They take two
         Jacobians for each parameter. There are no third ones. Where a result is NaN a
-    step to either side, as of an impact beyond the end of a range, second
-    derivatives of it are NaN; a smaller step stays inside.
+        step to either side, as of an impact beyond the end of a range, second
+        derivatives of it are NaN; a smaller step stays inside.
 
     Raises InputError for a step that is no number above 0 and, as it is differentiated,
     for results that are whole numbers.
