@@ -22,18 +22,29 @@ import jax
 
 from . import parameters
 from .code_state import PACKAGE, Atom, digest, plain_values, walk
-from .parameters import Composite, Part, parts_of
+from .parameters import Composite, Part, parts_of, unusual_fields
 
 
 def part_names(*wholes: Composite) -> dict[str, str]:
     """Name the parts of soil and block as a manifest tells them: what each is for, its
-    class and, of one that is not the package's, a digest of its code and its
-    constants."""
+    class, fields that are no parameters and not at their defaults and, of one that is
+    not the package's, a digest of its code and its constants."""
     return {
-        slot: name_of(type(getattr(whole, slot)))
+        slot: name_with_fields(getattr(whole, slot))
         for whole in wholes
         for slot in parts_of(type(whole))
     }
+
+
+def name_with_fields(part: Part) -> str:
+    """Name the class of a part, as `name_of`, and those of its fields that are no
+    parameters and not at their defaults."""
+    fields = unusual_fields(part).items()
+    said = (
+        f", {name}={value if _is_plain(value) else digest(walk(value))[:16]}"
+        for name, value in fields
+    )
+    return name_of(type(part)) + "".join(said)
 
 
 def name_of(kind: type[Part]) -> str:

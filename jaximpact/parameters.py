@@ -274,6 +274,17 @@ def _own_rows(whole: "Part | Composite") -> list[Row]:
     ]
 
 
+def unusual_fields(part: "Part") -> dict[str, Any]:
+    """Collect the fields that are no parameters and have another value than by
+    default."""
+    unusual = {}
+    for name, usual in _static(type(part)).items():
+        value = getattr(part, name)
+        if not (type(value) is type(usual) and value == usual):
+            unusual[name] = value
+    return unusual
+
+
 _with_own_constructor: weakref.WeakSet[type] = weakref.WeakSet()
 """Classes of parts that do more when they are made than take their fields."""
 
@@ -306,8 +317,9 @@ class Part(Module):
         return super().__new__(cls)
 
     def __repr__(self) -> str:
-        inside = ", ".join(f"{name}={value}" for name, value, _ in _own_rows(self))
-        return f"{type(self).__name__}({inside})"
+        inside = [f"{name}={value}" for name, value, _ in _own_rows(self)]
+        inside += [f"{name}={of!r}" for name, of in unusual_fields(self).items()]
+        return f"{type(self).__name__}({', '.join(inside)})"
 
     def _repr_html_(self) -> str:
         return html_table([type(self).__name__], _own_rows(self))
@@ -347,6 +359,13 @@ def _changed(part: Part, values: dict[str, Any]) -> Part:
 def _numeric(kind: type) -> set[str]:
     fields = dataclasses.fields(kind)
     return {field.name for field in fields if not field.metadata.get("static")}
+
+
+@functools.cache
+def _static(kind: type) -> dict[str, Any]:
+    """Return the default of each field that is no parameter."""
+    fields = dataclasses.fields(kind)
+    return {f.name: f.default for f in fields if f.metadata.get("static")}
 
 
 def part(base: type[Part], default: type[Part]) -> Any:
@@ -529,6 +548,12 @@ def _check_part(name: str, base: type[Part], part) -> None:
             f"{type(part).__name__}"
         )
     _check_fields(type(part))
+    for field in _static(type(part)):
+        if isinstance(getattr(part, field), np.ndarray | jax.Array):
+            raise InputError(
+                f"{type(part).__name__}.{field} is an array, but no parameter; write a "
+                "tuple of numbers, or a constant of the module"
+            )
 
 
 @functools.cache
@@ -593,5 +618,6 @@ caches_by_class = (
     _default_of,
     _owners,
     _check_fields,
+    _static,
 )
 """What is worked out once for each class."""

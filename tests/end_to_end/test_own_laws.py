@@ -2,12 +2,14 @@
 
 import dataclasses
 
+import equinox as eqx
 import jax
 import numpy as np
 import pytest
 
 from jaximpact import Block, Impact, Scene, Soil, simulate
 from jaximpact.errors import InputError
+from jaximpact.laws import Perzyna
 
 pytestmark = pytest.mark.slow
 
@@ -128,6 +130,19 @@ def test_what_is_wrong_with_a_law_is_told(what, tmp_path):
     slots = [slot for slot, arguments in ARGUMENTS.items() if arguments in text]
     with pytest.raises(InputError, match=message):
         simulate(Block(), Soil(**{(slots or ["flow"])[0]: f"{tmp_path}/laws.py:Wrong"}))
+
+
+def test_an_array_that_is_no_parameter_is_refused():
+    """JAX compares what is static, which arrays do not let it do."""
+
+    class OfTable(Perzyna):
+        table: tuple = eqx.field(default=(), static=True)
+
+    assert Soil(flow=OfTable(table=(1.0, 2.0))).flow.table == (1.0, 2.0)
+    with pytest.warns(UserWarning, match="static"):  # of Equinox
+        of_array = OfTable(table=np.ones(2))
+    with pytest.raises(InputError, match=r"OfTable.table is an array.* write a tuple"):
+        Soil(flow=of_array)
 
 
 def test_a_law_by_its_class_or_an_unknown_name_is_told():

@@ -224,9 +224,15 @@ class OfVectors(AbstractRebound):
         return Rebound(jnp.zeros(2), 0.0, 0.0)
 
 
+class OfABlockAlone(AbstractRebound):
+    def __call__(self, block):
+        return Rebound(0.0, 0.0, 0.0)
+
+
 @pytest.mark.parametrize(
     ("law", "words"),
     [
+        (OfABlockAlone(), "OfABlockAlone cannot be computed: TypeError.* an impact"),
         (WithNumPy(), "WithNumPy .* jnp in place of np"),
         (OfTwo(), r"OfTwo must return Rebound\(.*three scalars"),
         (OfVectors(), r"OfVectors must return Rebound\(.*\(2,\)"),

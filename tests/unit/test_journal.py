@@ -8,6 +8,7 @@ import sys
 import time
 import zlib
 
+import equinox as eqx
 import jax
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from jaximpact import Soil, simulate_batch
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io.journal import HEAD, Journal
+from jaximpact.laws import NovaMontrasio, Perzyna
 
 COLUMNS = ["a", "b", "c"]
 SUBJECT = {"of": "a test"}
@@ -206,6 +208,28 @@ def test_laws_of_a_session_are_known_by_their_code(tmp_path):
     assert [run(1.0), run(1.0)] == [3, 0]
     with pytest.raises(InputError, match="no journal of this run"):
         run(0.9)
+
+
+def test_fields_that_are_no_parameters_are_part_of_a_law(tmp_path):
+    """Of a law of the package, and of one's own; also in the manifest and on screen."""
+
+    class Mine(Perzyna):
+        order: int = eqx.field(default=1, static=True)
+
+    def run(changed):
+        soil, timing = Soil(**changed), {}
+        scenes = dataclasses.replace(mixed_scenes(3), soil=soil)
+        found = simulate_batch(scenes, journal=tmp_path / "j", timing=timing)
+        laws = found.manifest()["laws"]
+        return timing["impacts"], *(laws[slot].rpartition(", ")[2] for slot in changed)
+
+    wide = {"loading_surface": NovaMontrasio(rounding=0.3), "flow": Mine(order=3)}
+    assert run(wide) == (3, "rounding=0.3", "order=3")
+    assert run(wide)[0] == 0
+    assert repr(wide["loading_surface"]).endswith(", rounding=0.3)")
+    for slot, usual in (("loading_surface", NovaMontrasio()), ("flow", Mine())):
+        with pytest.raises(InputError, match="no journal of this run"):
+            run(wide | {slot: usual})
 
 
 @pytest.mark.slow

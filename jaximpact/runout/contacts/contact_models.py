@@ -130,6 +130,11 @@ def _rebound(law, block: Block, impact: Impact) -> Rebound:
             "jax.numpy can: use jnp in place of np, math and float, and jnp.where in "
             f"place of if ({type(error).__name__})"
         ) from error
+    except Exception as error:
+        raise InputError(
+            f"the law {name} cannot be computed: {type(error).__name__}: {error}; it "
+            "is called with a block and an impact"
+        ) from error
     shapes = jax.tree.map(jnp.shape, after)
     if not isinstance(after, tuple) or tuple(shapes) != ((), (), ()):
         returned = (

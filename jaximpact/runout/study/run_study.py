@@ -22,8 +22,9 @@ from ..._settings import numpy_settings
 from ...batch import Collector
 from ...code_state import digest, walk
 from ...errors import UnusualValueWarning
-from ...identity import name_of
+from ...identity import name_of, name_with_fields
 from ...io.journal import Journal
+from ...parameters import Part
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
 from ...scene_quantities import SHAPE, text_of
@@ -371,7 +372,8 @@ def _digest_of_values(study: SlopeStudy) -> str:
         (ground.seed, ground.numbers, study.settings.limits, law),
     )
     # Leaves alone: a user's class may count its calls, which is no change of it.
-    return digest(walk([name_of(type(law)), *jax.tree.leaves(values)]))
+    name = name_with_fields(law) if isinstance(law, Part) else name_of(type(law))
+    return digest(walk([name, *jax.tree.leaves(values)]))
 
 
 Variables = dict[str, tuple[Any, ...]]
