@@ -21,8 +21,9 @@ import equinox as eqx
 import jax
 
 from . import parameters
+from ._fixed_fields import unusual_fields
 from .code_state import PACKAGE, Atom, digest, plain_values, walk
-from .parameters import Composite, Part, parts_of, unusual_fields
+from .parameters import Composite, Part, parts_of
 
 
 def part_names(*wholes: Composite) -> dict[str, str]:

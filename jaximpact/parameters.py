@@ -26,6 +26,7 @@ import jax
 import numpy as np
 
 from ._checks import real_numbers
+from ._fixed_fields import check_fixed_fields, fixed_fields, unusual_fields
 from ._jax_internals import Tracer
 from ._precision import float64_leaf
 from ._tables import Row, html_table
@@ -274,17 +275,6 @@ def _own_rows(whole: "Part | Composite") -> list[Row]:
     ]
 
 
-def unusual_fields(part: "Part") -> dict[str, Any]:
-    """Collect the fields that are no parameters and have another value than by
-    default."""
-    unusual = {}
-    for name, usual in _static(type(part)).items():
-        value = getattr(part, name)
-        if not (type(value) is type(usual) and value == usual):
-            unusual[name] = value
-    return unusual
-
-
 _with_own_constructor: weakref.WeakSet[type] = weakref.WeakSet()
 """Classes of parts that do more when they are made than take their fields."""
 
@@ -357,15 +347,7 @@ def _changed(part: Part, values: dict[str, Any]) -> Part:
 
 @functools.cache
 def _numeric(kind: type) -> set[str]:
-    fields = dataclasses.fields(kind)
-    return {field.name for field in fields if not field.metadata.get("static")}
-
-
-@functools.cache
-def _static(kind: type) -> dict[str, Any]:
-    """Return the default of each field that is no parameter."""
-    fields = dataclasses.fields(kind)
-    return {f.name: f.default for f in fields if f.metadata.get("static")}
+    return {f.name for f in dataclasses.fields(kind)} - fixed_fields(kind).keys()
 
 
 def part(base: type[Part], default: type[Part]) -> Any:
@@ -548,12 +530,7 @@ def _check_part(name: str, base: type[Part], part) -> None:
             f"{type(part).__name__}"
         )
     _check_fields(type(part))
-    for field in _static(type(part)):
-        if isinstance(getattr(part, field), np.ndarray | jax.Array):
-            raise InputError(
-                f"{type(part).__name__}.{field} is an array, but no parameter; write a "
-                "tuple of numbers, or a constant of the module"
-            )
+    check_fixed_fields(part)
 
 
 @functools.cache
@@ -618,6 +595,6 @@ caches_by_class = (
     _default_of,
     _owners,
     _check_fields,
-    _static,
+    fixed_fields,
 )
 """What is worked out once for each class."""

@@ -25,7 +25,7 @@ from jaximpact.cli import main
 LAYERS = """
     _public_names
     errors _types _tables _safe _checks _jax_internals _settings _precision units
-    _packages interruption progress progress_lines file_locks store
+    _fixed_fields _packages interruption progress progress_lines file_locks store
     finding code_state parameters identity accuracy
     shapes laws part_checks scene
     quantities scene_quantities
