@@ -97,9 +97,7 @@ def known_primals(values: Sequence) -> list | None:
     would lose one of the two.
     """
     tracers = [value for value in values if isinstance(value, Tracer)]
-    traces = {
-        id(trace): trace for trace in (getattr(x, "_trace", None) for x in tracers)
-    }
+    traces = {id(getattr(tracer, "_trace", None)) for tracer in tracers}
     if len(traces) > 1 or not all(map(is_differentiated, tracers)):
         return None
     primals = [x.primal if isinstance(x, Tracer) else x for x in values]

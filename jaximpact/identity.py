@@ -21,7 +21,7 @@ import equinox as eqx
 import jax
 
 from . import parameters
-from ._fixed_fields import unusual_fields
+from ._fixed_fields import fixed_fields, unusual_fields
 from .code_state import PACKAGE, Atom, digest, plain_values, walk
 from .parameters import Composite, Part, parts_of
 
@@ -79,8 +79,7 @@ def described(tree) -> tuple | None:
     kind, static = type(tree), {}
     if isinstance(tree, eqx.Module):
         fields = {f.name: getattr(tree, f.name) for f in dataclasses.fields(tree)}
-        marked = (f.name for f in dataclasses.fields(tree) if f.metadata.get("static"))
-        static = {name: fields.pop(name) for name in marked}
+        static = {name: fields.pop(name) for name in fixed_fields(kind)}
     elif isinstance(tree, tuple | list | dict):
         fields = tree if isinstance(tree, dict) else dict(enumerate(tree))
     else:

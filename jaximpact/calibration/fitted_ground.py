@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from ..accuracy import Accuracy
 from ..errors import InputError
 from ..io.files import read_text
 from ..parameters import Part
+from ..quantities import InputColumn
 from .comparison.fitted_law import SIMPLE_LAWS, FittedLaw, law_of_json
 from .diagnostics.discrepancy import Discrepancy, discrepancy_of_json
 from .diagnostics.posterior import FEWEST
@@ -98,6 +100,29 @@ class FittedGround(NamedTuple):
     """Simple laws fitted to the same tests."""
     compared: tuple[str, ...] = ()
     """Lines of a comparison of laws, if the calibration made one."""
+
+
+def ground_of_tests(
+    ranges: Mapping[str, tuple[float, float]],
+    columns: Mapping[str, InputColumn],
+    known: Collection[str],
+) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+    """Collect what the tables of fitted tests say of the ground: values that all tests
+    share and that are not the default, and the ranges of those that differ.
+
+    Args:
+        ranges: smallest and largest value of columns in the fitted tests.
+        columns: columns of the ground.
+        known: names of what the fit knows otherwise.
+    """
+    there = {n: ends for n, ends in ranges.items() if n in columns and n not in known}
+    differing = {n: (low, high) for n, (low, high) in there.items() if low != high}
+    shared = {
+        name: low
+        for name, (low, _) in there.items()
+        if name not in differing and low != columns[name].default
+    }
+    return shared, differing
 
 
 DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)

@@ -31,7 +31,7 @@ from .diagnostics.discrepancy import freedom_of_sum
 from .diagnostics.predictive import Predictive, predictive
 from .diagnostics.residuals import rms
 from .diagnostics.uncertainty import CONFIDENCE
-from .fitted_ground import FittedGround, FittedVariant
+from .fitted_ground import FittedGround, FittedVariant, ground_of_tests
 from .problem.config import Study
 from .problem.dataset import Measurements
 from .problem.forward_model import ForwardModel, models_of
@@ -215,19 +215,13 @@ def with_ground_of_fit(
 
     Raises InputError for a quantity that differs between the fitted tests.
     """
-    shared = {}
-    for name, (low, high) in ranges.items():
-        column = tests.known_columns.get(name)
-        if column is None or column.part != "soil" or name in (*known, *tests.inputs):
-            continue
-        if low != high:
-            raise InputError(
-                f"has no column {name}, which is {low:g} to {high:g} in the fitted "
-                "tests",
-                file=path,
-            )
-        if low != column.default:
-            shared[name] = low
+    columns = {n: c for n, c in tests.known_columns.items() if c.part == "soil"}
+    shared, differing = ground_of_tests(ranges, columns, {*known, *tests.inputs})
+    for name, (low, high) in differing.items():
+        raise InputError(
+            f"has no column {name}, which is {low:g} to {high:g} in the fitted tests",
+            file=path,
+        )
     return tests.with_inputs(shared)
 
 

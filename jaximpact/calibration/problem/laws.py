@@ -1,11 +1,11 @@
 """Laws and shape of a study: by name in a file, as objects, or from fit.json."""
 
-import dataclasses
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
+from ..._fixed_fields import fixed_fields
 from ...errors import InputError
 from ...identity import code_digest
 from ...io.toml import Key, quantity, unknown
@@ -157,8 +157,4 @@ def _name_near(name: str, file: Path) -> str:
 
 def _fixed_fields(part: Part) -> dict[str, str]:
     """Collect the fields that are no parameters."""
-    return {
-        field.name: repr(getattr(part, field.name))
-        for field in dataclasses.fields(part)
-        if field.metadata.get("static")
-    }
+    return {name: repr(getattr(part, name)) for name in fixed_fields(type(part))}

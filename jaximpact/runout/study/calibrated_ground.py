@@ -99,7 +99,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     Raises InputError, naming the file, for whatever cannot be used; warns of samples
     that hardly tell the posterior.
     """
-    from ...calibration.fitted_ground import FILE, read_fitted
+    from ...calibration.fitted_ground import FILE, ground_of_tests, read_fitted
     from ...calibration.problem.bounds import Bounds
 
     file = path / FILE if path.is_dir() else path
@@ -117,8 +117,10 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     soil = Soil(**{slot: parts[slot] for slot in parts_of(Soil) if slot in parts})
     names = tuple(parameter.name for parameter in ground.parameters)
     columns = ground_columns(soil)
-    of_tests, differing = _of_tests(ground, columns)
-    fixed = of_tests | ground.soil | fit.variant.soil
+    known = {*names, *ground.nuisances}
+    shared, ranges = ground_of_tests(ground.ranges, columns, known)
+    differing = _differing(ground, columns, ranges)
+    fixed = shared | ground.soil | fit.variant.soil
     unknown = [name for name in (*names, *fixed) if name not in columns]
     if unknown:
         raise InputError(f"holds {unknown[0]}, which no ground has", file=file)
@@ -152,24 +154,19 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     )
 
 
-def _of_tests(
-    ground: "FittedGround", columns: Mapping[str, InputColumn]
-) -> tuple[dict[str, float], dict[str, str]]:
-    """Collect what the tables of the tests say of the ground, beyond what was fitted:
-    values that all tests share and that are not the default; and how others differ."""
-    fitted = {parameter.name for parameter in ground.parameters}
-    shared, differing = {}, {}
-    for name, (low, high) in ground.ranges.items():
-        nuisance = ground.nuisances.get(name, {"pooled": True})
-        if name not in columns or name in fitted:
-            continue
-        if not nuisance.get("pooled"):
-            differing[name] = f"has a value for each {nuisance['by']} in the tests"
-        elif low != high:
-            differing[name] = f"is {low:g} to {high:g} in the tests"
-        elif low != columns[name].default:
-            shared[name] = low
-    return shared, differing
+def _differing(
+    ground: "FittedGround",
+    columns: Mapping[str, InputColumn],
+    ranges: Mapping[str, tuple[float, float]],
+) -> dict[str, str]:
+    """Say how quantities of the ground differ from test to test."""
+    return {
+        n: f"is {low:g} to {high:g} in the tests" for n, (low, high) in ranges.items()
+    } | {
+        name: f"has a value for each {entry['by']} in the tests"
+        for name, entry in ground.nuisances.items()
+        if name in columns and not entry.get("pooled")
+    }
 
 
 def _variant(file: Path, ground: "FittedGround", wanted: str | None) -> "FittedVariant":
