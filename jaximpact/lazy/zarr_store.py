@@ -331,7 +331,13 @@ def _write_region(
         pairs = zip(dims_of_each.values(), values, strict=True)
         block = xr.Dataset(dict(zip(dims_of_each, pairs, strict=True)))
         with naming(path):
-            block.to_zarr(path, region=region, consolidated=False, zarr_format=FORMAT)
+            block.to_zarr(
+                path,
+                mode="r+",
+                region=region or None,  # xarray 2025.1 takes {} for no variable's
+                consolidated=False,
+                zarr_format=FORMAT,
+            )
         if OUTCOME_COLUMN in block:
             words = block[OUTCOME_COLUMN].values
             counts[:] = [np.sum(words == str(outcome)) for outcome in Outcome]
