@@ -4,15 +4,17 @@ A new version of JAX that moves any of it is met here, and in the table of primi
 that have machine code (`backend.simd.lower_jaxpr`).
 """
 
+import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.core import Tracer, eval_context
-from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
+from jax.core import ShapedArray, Tracer, eval_context
+from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, set_current_trace
+from jax.interpreters.ad import instantiate_zeros
 from jax.sharding import NamedSharding, PartitionSpec
 
 _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
@@ -107,6 +109,75 @@ def known_primals(values: Sequence) -> list | None:
 def is_differentiated(value) -> bool:
     """Tell whether JAX differentiates a value, inside of `jit` or outside."""
     return type(getattr(value, "_trace", None)).__name__ in _FIRST_DERIVATIVES
+
+
+class LateResults(Protocol):
+    """Results of an operation that is differentiated outside of `jit`, each worked out
+    when JAX uses it."""
+
+    def number(self, place: int) -> jax.Array:
+        """Return the number of a result."""
+        ...
+
+    def change(self, place: int) -> Any:
+        """Return how a result changes, by `of_changes`."""
+        ...
+
+
+def late_tracers(value: Tracer, results: LateResults, shapes: Sequence[tuple]) -> list:
+    """Make tracers for results of these shapes, in the derivative that a value is of
+    (`known_primals`).
+
+    Of an operation with many results JAX makes tracers of all, and asks all of them for
+    a cotangent, which takes longer than an impact.
+    """
+    trace: Any = value._trace
+    kind = _late(type(value))
+    types = {shape: ShapedArray(shape, jnp.float64) for shape in {*shapes}}
+    return [
+        kind(trace, types[shape], results, place) for place, shape in enumerate(shapes)
+    ]
+
+
+def change_of(value: Tracer) -> Any:
+    """Return how a value changes in the derivative that it is of."""
+    return instantiate_zeros(value.tangent)  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def of_changes(value: Tracer):
+    """Have JAX compute with changes, of the derivative that a value is of; a
+    context."""
+    trace: Any = value._trace
+    reverse = getattr(trace, "tangent_trace", None)
+    return set_current_trace(trace.parent_trace if reverse is None else reverse)
+
+
+class _Late:
+    __slots__ = ()
+
+
+@functools.cache
+def _late(kind: type) -> type:
+    """Derive a class of tracers that asks for numbers and changes."""
+    if issubclass(kind, _Late):
+        return kind
+
+    class Late(_Late, kind):
+        __slots__ = ("place", "results")
+
+        def __init__(self, trace, type_, results: LateResults, place: int):
+            Tracer.__init__(self, trace, type_)
+            self.results, self.place = results, place
+
+        @property
+        def primal(self):
+            return self.results.number(self.place)
+
+        @property
+        def tangent(self):
+            return self.results.change(self.place)
+
+    return Late
 
 
 def called(equation) -> ClosedJaxpr | None:

@@ -21,7 +21,6 @@ from .._jax_internals import (
     known_primals,
     namespace_of,
 )
-from .._precision import handed_over
 from .._settings import own_settings
 from ..accuracy import Accuracy
 from ..errors import InputError
@@ -36,6 +35,7 @@ from ..impact.results import (
 )
 from ..scene import Scene, shape_of
 from . import NATIVE, Engine
+from .known_results import results_of
 from .native_backend import compile_side_by_side, computes_on_cpu
 from .request import Request, request
 from .rows import columns_of, refuse_second_order, values_of
@@ -163,8 +163,7 @@ def _solved(
 
 def _known_rows(wanted: Request, values: list, known: list) -> list[Array]:
     """Compute rows of numbers where JAX differentiates outside of `jit`: all is known,
-    and rows and derivatives are computed without JAX. It takes one compiled operation,
-    where `_solve` takes three."""
+    and rows and derivatives are computed without JAX."""
     varied = {
         place: value
         for place, value in zip(wanted.places, values, strict=True)
@@ -173,28 +172,8 @@ def _known_rows(wanted: Request, values: list, known: list) -> list[Array]:
     known = [np.asarray(value) for value in known]
     solution, columns = columns_of(wanted, known, None, list(varied), in_jax=False)
     rows = np.array(jax.tree.leaves(solution))
-    # One array, since JAX takes a while for each. What is transposed later is outside
-    # of `own_settings`.
-    numbers = handed_over(np.array([rows, *(column for (column,) in columns)]))
-    return _rows_along(list(varied.values()), numbers)
-
-
-@jax.custom_jvp
-def _along_values(values: list, numbers: Array) -> Array:
-    """Return rows of numbers, the first entry of an array, whose derivatives with
-    respect to each of the values are the further ones."""
-    return numbers[0]
-
-
-@_along_values.defjvp
-def _along_values_jvp(primals, tangents):
-    (_, numbers), (steps, _) = primals, tangents
-    return numbers[0], _along(list(numbers[1:]), steps)
-
-
-@jax.jit
-def _rows_along(values: list, numbers: Array) -> list[Array]:
-    return list(_along_values(values, numbers))
+    columns = [np.asarray(column) for (column,) in columns]
+    return results_of(list(varied.values()), rows, columns)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))

@@ -127,8 +127,18 @@ def test_gradients_of_a_batch_are_those_of_each(scenes, gradients):
         lambda f: lambda x: jax.jvp(f, (x,), (jnp.ones_like(x),))[1],
         lambda f: lambda x: jax.vjp(f, x)[1](jnp.ones_like(f(x)))[0],
         lambda f: jax.jit(jax.jacrev(jax.checkpoint(f))),
+        lambda f: lambda x: jax.jit(jax.linearize(f, x)[1])(1.0),
+        lambda f: lambda x: jax.vmap(jax.linearize(f, x)[1])(jnp.ones(2))[1],
+        lambda f: lambda x: jax.jit(jax.vjp(f, x)[1])(1.0)[0],
+        lambda f: jax.grad(lambda x: jax.jit(lambda e_n: 2.0 * e_n)(f(x)) / 2.0),
+        lambda f: jax.grad(lambda x: jax.vmap(lambda w: w * f(x))(jnp.ones(2))[1]),
+        lambda f: lambda x: jax.grad(lambda w: w * jax.vjp(f, x)[1](w)[0])(0.5),
     ],
-    ids=["jacfwd", "jacrev", "jit", "linearize", "jvp", "vjp", "checkpoint"],
+    ids=[
+        *("jacfwd", "jacrev", "jit", "linearize", "jvp", "vjp", "checkpoint"),
+        *("linear in jit", "linear in vmap", "vjp in jit", "used in jit"),
+        *("used in vmap", "vjp in grad"),
+    ],
 )
 def test_transformations_give_one_derivative(scenes, gradients, transform):
     _, (by_gamma, _) = gradients
@@ -538,6 +548,34 @@ def test_a_derivative_inside_of_one_by_what_is_no_input():
     expected = jax.grad(rebound)(8.0)
     assert jax.grad(lambda a: a * jax.grad(rebound)(8.0))(0.5) == expected
     assert jax.grad(lambda a: jax.jvp(rebound, (8.0,), (a,))[1])(0.5) == expected
+
+
+def test_results_that_are_used_one_by_one_outside_of_jit():
+    """Of arrays that broadcast, of an impact after another, and beside the value."""
+    speed = jnp.array([[5.0], [8.0], [12.0]])
+
+    def last(gamma_v, speed):
+        soil = Soil(gamma_v=gamma_v)
+        first = FAST(Block(), soil, Impact(speed=speed, angle=jnp.array([0.2, 0.5])))
+        return FAST(Block(), soil, Impact(speed=5.0 + first.e_n)), first
+
+    def total(*inputs):
+        last_one, first = last(*inputs)
+        return jnp.sum(last_one.e_n * jnp.array([1.0, 2.0])), (first, last_one.e_t)
+
+    gradient = jax.value_and_grad(total, (0, 1), has_aux=True)
+    (value, (first, e_t)), by_each = gradient(8.0, speed)
+    (in_jit, (_, e_t_in_jit)), expected = jax.jit(gradient)(8.0, speed)
+    # XLA may add up in another order.
+    np.testing.assert_allclose(value, in_jit, rtol=1e-13)
+    np.testing.assert_array_equal(e_t, e_t_in_jit)
+    for found, wanted in zip(by_each, expected, strict=True):
+        assert found.shape == wanted.shape
+        np.testing.assert_allclose(found, wanted, rtol=1e-11)
+    assert all(type(x) is type(e_t) for x in jax.tree.leaves(first))
+    forward = jax.jacfwd(lambda *inputs: total(*inputs)[0], (0, 1))(8.0, speed)
+    for found, wanted in zip(forward, expected, strict=True):
+        np.testing.assert_allclose(found, wanted, rtol=1e-11)
 
 
 def test_empty_and_single_lanes():
