@@ -33,7 +33,7 @@ from ._tables import Row, html_table
 from ._types import Number, Shown
 from .errors import InputError, UnusualValueWarning, did_you_mean
 from .finding import find_part
-from .units import SIZES, SUFFIXES
+from .units import SIZES, SUFFIXES, check_unit
 
 if TYPE_CHECKING:
 
@@ -101,8 +101,8 @@ def parameter(
     Args:
         default: value if none is given, in `unit`; None for a parameter of a law of
             rebound that must be given. Laws of the soil and shapes need a default.
-        unit: of the default, the range and the column: an SI unit as "m/s" or "1/s",
-            "-" for none, "deg", "deg/s", "kN/m3" or "kPa".
+        unit: of the default, the range and the column: an SI unit without a prefix, as
+            "m/s" or "1/s", "-" for none, "deg", "deg/s", "kN/m3" or "kPa".
         range: interval of the values allowed, with round brackets where an end is left
             out: "(0, inf)", "[0, 1]".
         meaning: a few words, for tables, docstrings and messages.
@@ -121,6 +121,7 @@ def parameter(
             f"{call}: must be parameter(default, unit, range, meaning), a number and "
             "three texts"
         )
+    check_unit(call, unit)
     lower, upper = _ends(call, range)
     value = math.nan if default is None else float(default)
     declared = Declared(value, unit, range, meaning, column or "", usual)
@@ -570,8 +571,7 @@ def _check_radians(place: str, declared: Declared, value) -> None:
 
 
 def _unusual_parts(whole: Composite) -> str:
-    """Name the parts of a composite that are not its usual ones, to follow a
-    message."""
+    """Name the unusual parts of a composite, to follow a message."""
     kind = type(whole)
     others = [
         f"{slot} {type(part).__name__}"

@@ -4,6 +4,7 @@ import concurrent.futures
 import functools
 import inspect
 import math
+import re
 import sys
 import traceback
 from collections.abc import Callable
@@ -103,13 +104,17 @@ def _problem(kind: type, error: BaseException) -> str:
             "is not known when it is compiled; use jnp.where and jax.numpy"
         )
     if isinstance(error, TypeError) and not lines:
-        base = [b for b in kind.__mro__ if "Abstract" in b.__name__][-1]
-        needed = " and ".join(
-            f"{method}{_arguments(getattr(base, method))}"
-            for method in sorted(base.__abstractmethods__)
-            if callable(getattr(base, method))
+        methods = {
+            name: getattr(base, name)
+            for base in reversed(kind.__mro__)
+            for name in sorted(getattr(base, "__abstractmethods__", ()))
+            if callable(getattr(base, name))
+        }
+        named = methods.keys() & {*re.findall(r"(\w+)\(\)", said)}
+        needed = (
+            f"{n}{_arguments(methods[n])}" for n in methods if n in named or not named
         )
-        return f"{said}; the model calls {needed}"
+        return f"{said}; the model calls {' and '.join(needed)}"
     return f"{said}{where}"
 
 

@@ -4,11 +4,15 @@ for them."""
 import math
 import re
 
+from .errors import InputError
+
 DEGREE = math.pi / 180.0
 SIZES = {"deg": DEGREE, "deg/s": DEGREE, "kN/m3": 1e3, "kPa": 1e3}
 """Units of columns that are not SI -> size in SI."""
 SUFFIXES = {"deg": "_deg", "deg/s": "_degps", "kN/m3": "_kNm3", "kPa": "_kPa"}
 """Units of columns that are not SI -> suffix of the column's name."""
+SI = set(["m", "kg", "s", "K", "rad", "N", "Pa", "J", "W", "Hz"])
+"""Names of units in which numbers of parameters are SI."""
 RESULT_SUFFIXES = {
     **{"-": "", "m": "_m", "N": "_N", "N m": "_Nm", "s": "_s"},
     **{"rad": "_rad", "m/s": "_mps", "rad/s": "_radps"},
@@ -25,6 +29,17 @@ UNITS = {
     "-": {"-": 1.0, "%": 1e-2},
 }
 """Unit of a column -> units that are mistaken for it, with their sizes in it."""
+
+
+def check_unit(call: str, unit: str) -> None:
+    """Raise InputError, in the name of a call, for a unit in which a number of the
+    model would be another one."""
+    others = sorted({*re.findall(r"[^\W\d]+|%", unit)} - SI)
+    if others and unit not in SIZES:
+        raise InputError(
+            f"{call}: the unit must be of {', '.join(sorted(SI))}, as in 'N s/m' or "
+            f"'kg/m3', or {', '.join(SIZES)}, or '-', but has {others[0]!r}"
+        )
 
 
 def variable_attributes(meaning: str, unit: str = "") -> dict[str, str]:

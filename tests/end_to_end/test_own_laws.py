@@ -35,8 +35,8 @@ def law(slot, equation=NO_FLOW, parameter="", arguments=None):
     return f"class Wrong({base}):\n    {parameter}\n{call}"
 
 
-def of_parameter(name="rate", default=1.0, interval="(0, inf)", more=""):
-    value = f'parameter({default}, "-", "{interval}", "x"{more})'
+def of_parameter(name="rate", default=1.0, interval="(0, inf)", more="", unit="-"):
+    value = f'parameter({default}, "{unit}", "{interval}", "x"{more})'
     return law("flow", parameter=f"{name}: Scalar = {value}")
 
 
@@ -77,6 +77,11 @@ WRONG = {
         law("flow", arguments="self, load, hardening"),
         r"the model calls __call__\(self, load, hardening, foundation, \*, branch=None",
     ),
+    "other arguments of a method that is not __call__": (
+        "class Wrong(Perzyna):\n"
+        "    def flow_size(self, load):\n        return load.size\n",
+        r"; the model calls flow_size\(self, load, hardening, foundation, branch\)$",
+    ),
     "a parameter without a default": (
         law("flow", parameter="rate: Scalar"),
         r"missing 1 required .* 'rate'; give every parameter a default",
@@ -104,6 +109,10 @@ WRONG = {
     "a range that is none": (
         of_parameter(interval="above 0"),
         r"the range must be an interval as in '\(0, inf\)'",
+    ),
+    "a unit that is not SI": (
+        of_parameter(unit="mm"),
+        r"the unit must be of .*, as in 'N s/m' .*, but has 'mm'",
     ),
     "a default out of its range": (
         of_parameter(default=-1.0, interval="[0, 1]"),
