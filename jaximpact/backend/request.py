@@ -52,6 +52,12 @@ class Request(NamedTuple):
         return jax.tree.unflatten(_structure(self.ledger, self.sampled), rows)
 
 
+def _is_open(leaf) -> bool:
+    """Tell whether a leaf is traced, or an array with axes; quickly of a number."""
+    is_number = isinstance(leaf, float)
+    return not is_number and (isinstance(leaf, Tracer) or np.ndim(leaf) > 0)
+
+
 @functools.cache
 def _structure(ledger: LedgerItems, sampled: bool):
     samples = empty_history(bool(ledger)) if sampled else None
@@ -77,7 +83,7 @@ def request(
         rest[:-2] = leaves
         return Request(structure, ledger, (), rest, engine, sampled), []
     for place, leaf in enumerate(leaves):
-        if isinstance(leaf, Tracer) or np.ndim(leaf):
+        if _is_open(leaf):
             places.append(place)
             rest[place] = np.nan
         else:

@@ -72,7 +72,9 @@ class StackedPrediction(NamedTuple):
             )
             rows.append((self.tests.name(test), *cells))
         table = Table(("test", *self.targets), rows)
-        return f"Stacked prediction: median (95 %)\n{table.text()}\n"
+        missing = self.tests.missing_in_words()
+        lines = ["Stacked prediction: median (95 %)", table.text(), missing]
+        return "".join(f"{line}\n" for line in lines if line)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Make a table with one row for each test and target: `predicted`, `low_95` and

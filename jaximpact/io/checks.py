@@ -114,7 +114,7 @@ def usual_values(structure: Any, leaves: list) -> Any:
         return None
     if not traced:
         return values
-    kept = list(values)
+    kept: list = values.tolist()
     for place in traced:
         kept[place] = leaves[place]
     return kept

@@ -471,6 +471,8 @@ def test_a_law_of_ones_own_is_compared(tmp_path):
     stacked = found.predict(new)
     assert stacked.middle[0] == pytest.approx([0.5, 0.5], abs=0.02)
     assert np.all((stacked.low < stacked.middle) & (stacked.middle < stacked.high))
+    missing = "Not in the table, default values: density_kgm3 2577.8, aspect_ratio 1,"
+    assert missing in str(stacked)
 
 
 class Boundless(AbstractRebound):
