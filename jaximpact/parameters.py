@@ -376,8 +376,7 @@ def default_part(kind: type, slot: str) -> type[Part]:
 
 @functools.cache
 def _default_of(kind: type, slot: str) -> Part:
-    """Make the part that a slot has if none is given: one for all, since it takes a
-    third of the time of a soil, and nothing changes it."""
+    """Make the part that a slot has if none is given: one for all, to save time."""
     return default_part(kind, slot)()
 
 
@@ -420,11 +419,12 @@ class Composite(Module):
         named = by_place | named
         for slot, base in parts_of(kind).items():
             given_part = named.pop(slot, None)
+            if isinstance(given_part, str):
+                given_part = find_part(slot, base, given_part)
             if given_part is None:
                 given_part = _default_of(kind, slot)
-            elif isinstance(given_part, str):
-                given_part = find_part(slot, base, given_part)
-            _check_part(f"{kind.__name__}.{slot}", base, given_part)
+            else:
+                _check_part(f"{kind.__name__}.{slot}", base, given_part)
             object.__setattr__(self, slot, given_part)
         owner = _owners(kind, tuple(type(vars(self)[slot]) for slot in parts_of(kind)))
         changed: dict[str, dict] = {}

@@ -232,17 +232,24 @@ def columns_of_class(slot: str, kind: type[Part]) -> dict[str, InputColumn]:
 
 def why_unknown(name: str, known: Iterable[str]) -> str:
     """What may have been meant by an unknown name, to follow "is unknown; ": where
-    parameters of the scene are known, which of the package's laws and shapes have it as
-    a parameter, else the nearest known."""
+    parameters of the scene are known, the part of the scene that it belongs to, or
+    which of the package's laws and shapes have it as a parameter; else the nearest
+    known."""
     known = tuple(known)
+    parts = {INPUT_COLUMNS[one].part for one in known if one in INPUT_COLUMNS}
     for slot in SLOTS:
         kinds = shipped_parts(slot)
         owners = [k.__name__ for k in kinds if str(name) in columns_of_class(slot, k)]
-        if owners and not INPUT_COLUMNS.keys().isdisjoint(known):
+        if owners and SLOTS[slot] in parts:
             return (
                 f"it belongs to the {slot.replace('_', ' ')} {' or '.join(owners)}, "
                 f'which is not chosen ({slot} = "{owners[0]}")'
             )
+        if owners and parts:
+            return f"it is a quantity of the {SLOTS[slot]}"
+    column = INPUT_COLUMNS.get(str(name))
+    if parts and column is not None and column.part not in parts:
+        return f"it is a quantity of the {column.part}"
     return did_you_mean(name, known)
 
 
@@ -316,8 +323,8 @@ DERIVED_COLUMNS = {
     for name, unit, meaning in (
         ("translational_ratio", "-", "translational energy after over before"),
         ("rebound_angle_deg", "deg", "angle of the velocity after from the normal"),
-        ("normal_impulse_Ns", "N s", "change of momentum along the normal"),
-        ("tangential_impulse_Ns", "N s", "change of momentum down-slope"),
+        ("normal_impulse_Ns", "N s", "momentum into the ground that is lost"),
+        ("tangential_impulse_Ns", "N s", "momentum down-slope that is lost"),
     )
 }
 """Results that follow from velocities, mass and angle; they are fitted, no more."""

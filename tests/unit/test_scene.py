@@ -29,7 +29,12 @@ from jaximpact import (
 from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.io.toml import read_scene, scene_from
 from jaximpact.parameters import declared_of, parameter, parts_of
-from jaximpact.quantities import INPUT_COLUMNS, columns_of, leaf_places
+from jaximpact.quantities import (
+    INPUT_COLUMNS,
+    columns_of,
+    leaf_places,
+    why_unknown,
+)
 from jaximpact.scene_quantities import scene_of_values, scene_values
 from jaximpact.shapes import RectangularPrism
 
@@ -232,6 +237,23 @@ def test_a_scene_may_be_part_of_a_file():
     assert float(scene.block.mass) == 3.0
     with pytest.raises(InputError, match="key axis: is unknown; did you mean axes"):
         scene_from(path, {"axis": {}}, others=("axes",))
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "why"),
+    [
+        ("c_v", "block", "it is a quantity of the soil"),
+        ("mass_kg", "soil", "it is a quantity of the block"),
+        ("aspect_ratio", "soil", "it is a quantity of the block"),
+        ("speed_mps", "soil", "it is a quantity of the impact"),
+        ("nucleus_exponent", "soil", "it belongs to the flow PowerNucleus or"),
+        ("nucleus_exponent", "block", "it is a quantity of the soil"),
+        ("c_w", "soil", "did you mean c_v"),
+    ],
+)
+def test_a_quantity_of_another_part_is_told(name, part, why):
+    known = [other for other, column in INPUT_COLUMNS.items() if column.part == part]
+    assert why_unknown(name, known).startswith(why)
 
 
 @pytest.mark.parametrize("kind", [Soil, Block, Impact])
