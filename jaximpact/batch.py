@@ -52,12 +52,12 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     shape = shape_of(scene)
     if len(shape) > 1:
         raise ValueError(
-            f"simulate_batch takes scenes along one axis, but their fields have shape "
-            f"{shape}; flatten them first"
+            f"scenes must lie along one axis, but their fields have shape {shape}; "
+            "flatten them first"
         )
     count = shape[0] if shape else 1
     if count == 0:
-        raise ValueError("simulate_batch needs at least one scene, but got none")
+        raise ValueError("at least one scene is needed, but got none")
     return jax.tree.map(
         lambda leaf: np.broadcast_to(np.asarray(leaf), (count,)), scene
     ), count

@@ -27,13 +27,12 @@ import numpy as np
 
 from ._checks import real_numbers
 from ._fixed_fields import check_fixed_fields, fixed_fields, unusual_fields
-from ._jax_internals import Tracer
 from ._precision import float64_leaf
 from ._tables import Row, html_table
 from ._types import Number, Shown
 from .errors import InputError, UnusualValueWarning, did_you_mean
 from .finding import find_part
-from .units import SIZES, SUFFIXES, check_unit
+from .units import SIZES, SUFFIXES, check_unit, with_unit
 
 if TYPE_CHECKING:
 
@@ -236,35 +235,6 @@ def _signature(kind: type) -> inspect.Signature:
 def _declared_cells(name: str, said: Declared) -> tuple[str, ...]:
     default = "" if math.isnan(said.default) else f"{said.default:g}"
     return name, default, said.unit, said.range, said.meaning
-
-
-def with_unit(value, unit: str = "-", factor: float = 1.0) -> str:
-    """Write a number with its unit.
-
-    Of an array the smallest and largest value, and the shape, are written.
-
-    Args:
-        value: in SI units; anything else than numbers is shown as it is.
-        unit: shown behind the value, "-" for none.
-        factor: value in SI units over value in `unit`.
-    """
-    unit = "" if unit == "-" else f" {unit}"
-    if isinstance(value, Tracer):
-        return "(traced)"
-    if isinstance(value, jax.Array) and value.is_deleted():
-        return "(deleted)"
-    if not isinstance(value, np.ndarray | np.generic | jax.Array | int | float):
-        return repr(value)
-    values = np.asarray(value)
-    if values.dtype.kind not in "fiu":
-        return f"{values.dtype} {values.shape}"
-    values = values / factor
-    if values.ndim == 0:
-        return f"{float(values):.6g}{unit}"
-    if not values.size:
-        return "(empty)"
-    least, most = (f"{end:.6g}" for end in (np.min(values), np.max(values)))
-    return f"{least if least == most else f'{least} to {most}'}{unit} {values.shape}"
 
 
 def _own_rows(whole: "Part | Composite") -> list[Row]:

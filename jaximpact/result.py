@@ -151,6 +151,14 @@ class ImpactResult(ImpactSummary):
         known = np.isin(self.outcome_code, list(Outcome))
         return bool(np.all(known & ~(ended & (np.asarray(self.steps) < 1.0))))
 
+    def _check_known(self, what: str) -> None:
+        """Raise ValueError, for a method, where JAX traces or differentiates."""
+        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(self)):
+            raise ValueError(
+                f"{what} needs numbers that are known; call it outside of jit, vmap "
+                "and derivatives"
+            )
+
     def to_dataframe(self, *, all_inputs: bool = False) -> "pd.DataFrame":
         """Make a table with one row an impact, as `jaximpact batch` writes it.
 
@@ -173,6 +181,7 @@ class ImpactResult(ImpactSummary):
         """
         from .io.datasets import frame_of
 
+        self._check_known("to_dataframe")
         return frame_of(self, self.scene, all_inputs)
 
     def to_xarray(self, dims: tuple[str, ...] | None = None) -> "xr.Dataset":
@@ -194,6 +203,7 @@ class ImpactResult(ImpactSummary):
         """
         from .io.datasets import dataset_of_impacts
 
+        self._check_known("to_xarray")
         return dataset_of_impacts(self, self.scene, self.accuracy, dims)
 
     def plot(self, path=None, *, ax=None) -> "np.ndarray":
@@ -218,6 +228,7 @@ class ImpactResult(ImpactSummary):
         from .plotting.impact import plot_impact
         from .plotting.style import plotted
 
+        self._check_known("plot")
         if self.shape:
             raise ValueError(
                 f"plot draws one impact, but the result has shape {self.shape}; choose "
@@ -231,6 +242,7 @@ class ImpactResult(ImpactSummary):
 
     def manifest(self) -> dict:
         """State what is needed to compute this again, ready for JSON."""
+        self._check_known("manifest")
         return {
             "scene": scene_values(self.scene),
             "laws": part_names(self.scene.soil, self.scene.block),

@@ -4,6 +4,10 @@ for them."""
 import math
 import re
 
+import jax
+import numpy as np
+
+from ._jax_internals import Tracer
 from .errors import InputError
 
 DEGREE = math.pi / 180.0
@@ -50,3 +54,38 @@ def variable_attributes(meaning: str, unit: str = "") -> dict[str, str]:
     name = re.split(r"[,;:(]", meaning, maxsplit=1)[0].strip()
     comment = {} if name == meaning else {"comment": meaning}
     return {**units, "long_name": name, **comment}
+
+
+def with_unit(value, unit: str = "-", factor: float = 1.0) -> str:
+    """Write a number with its unit.
+
+    Of an array the smallest and largest value, the shape, and how many are NaN, are
+    written.
+
+    Args:
+        value: in SI units; anything else than numbers is shown as it is.
+        unit: shown behind the value, "-" for none.
+        factor: value in SI units over value in `unit`.
+    """
+    unit = "" if unit == "-" else f" {unit}"
+    if isinstance(value, Tracer):
+        return "(traced)"
+    if isinstance(value, jax.Array) and value.is_deleted():
+        return "(deleted)"
+    if not isinstance(value, np.ndarray | np.generic | jax.Array | int | float):
+        return repr(value)
+    values = np.asarray(value)
+    if values.dtype.kind not in "fiu":
+        return f"{values.dtype} {values.shape}"
+    values = values / factor
+    if values.ndim == 0:
+        return f"{float(values):.6g}{unit}"
+    if not values.size:
+        return "(empty)"
+    known = values[~np.isnan(values)]
+    if not known.size:
+        return f"nan{unit} {values.shape}"
+    least, most = (f"{end:.6g}" for end in (np.min(known), np.max(known)))
+    written = f"{least if least == most else f'{least} to {most}'}{unit} {values.shape}"
+    missing = values.size - known.size
+    return f"{written}, {missing} nan" if missing else written

@@ -16,9 +16,8 @@ from .._tables import Row, align, html_table
 from .._types import Scalar
 from ..errors import InputError
 from ..laws import Branch
-from ..parameters import with_unit
 from ..quantities import ENERGY_COLUMNS
-from ..units import variable_attributes
+from ..units import variable_attributes, with_unit
 from .dynamics import ARM, LedgerItems, Work, elastic_energy, kinetic_energy
 from .events import Outcome
 from .problem import Problem

@@ -31,11 +31,13 @@ def heads_and_rows(
         history: of the impacts, or None; its times are counted.
     """
     shape = np.shape(summary.outcome_code)
+    # Means over impacts and times have a history without times.
+    times = () if history is None else np.shape(history.time)
+    setting = f"accuracy {accuracy}"
+    setting += f", history of {times[-1]} times" if times else ""
     if shape:
-        return _many(summary, scene, shape, accuracy)
-    head = f"ImpactResult: {Outcome(int(summary.outcome_code))}, accuracy {accuracy}"
-    if history is not None:
-        head += f", history of {len(history.time)} times"
+        return _many(summary, scene, shape, setting)
+    head = f"ImpactResult: {Outcome(int(summary.outcome_code))}, {setting}"
     rows: list[Row] = [
         (name, _text(getattr(summary, column.field)), column.unit, column.meaning)
         for name, column in RESULT_COLUMNS.items()
@@ -44,12 +46,12 @@ def heads_and_rows(
 
 
 def _many(
-    summary: ImpactSummary, scene: Scene, shape: tuple[int, ...], accuracy: str
+    summary: ImpactSummary, scene: Scene, shape: tuple[int, ...], setting: str
 ) -> tuple[list[str], list[Row]]:
     counts = count_outcomes(summary)
     outcomes = [f"{count} {outcome}" for outcome, count in counts.items()]
     heads = [
-        f"ImpactResult: shape {shape}, accuracy {accuracy}",
+        f"ImpactResult: shape {shape}, {setting}",
         f"  outcomes: {', '.join(outcomes) or 'none'}",
         f"  varying: {', '.join(_varying(scene, shape)) or 'nothing'}",
     ]

@@ -46,7 +46,9 @@ def draw_tornado(dataset: xr.Dataset, on: On = None) -> Figure:
     """
     dataset = _with_dimensions(dataset, "elasticity")
     count = dataset.sizes["output"]
-    columns = min(count, 3)
+    # Long names leave panels side by side no room for their numbers.
+    longest = max(map(len, map(str, dataset.parameter.values)))
+    columns = min(count, 3 if longest < 13 else 2 if longest < 20 else 1)
     figure, axes = panels(
         -(-count // columns),
         columns,
@@ -75,7 +77,8 @@ def _draw_tornado(axes: Axes, of_output: xr.Dataset) -> None:
     # Room for the numbers beyond the ends of the bars: a third of the panel each.
     low, high = min(0.0, finite.min()), max(0.0, finite.max())
     room = (1.0 if low < 0.0 < high else 0.5) * (high - low or 1.0)
-    axes.set_xlim(low - room * (low < 0.0), high + room * (high > 0.0 or low == 0.0))
+    on_the_right = high > 0.0 or low == 0.0 or finite.size < elasticity.size
+    axes.set_xlim(low - room * (low < 0.0), high + room * on_the_right)
     order = np.argsort(np.nan_to_num(np.abs(elasticity), nan=-1.0))
     for rank, place in enumerate(order):
         number, entry = elasticity[place], of_output.isel(parameter=place)

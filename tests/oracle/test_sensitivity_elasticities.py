@@ -317,6 +317,21 @@ def test_a_tornado_has_the_strongest_on_top(of_random_scenes, tmp_path):
     assert "elasticity" in axes.get_xlabel()
 
 
+def test_numbers_of_a_tornado_are_in_its_panels():
+    """Beside a parameter of a long name, bars of one sign, and one without a number."""
+    scene = Scene(Block(aspect_ratio=2.0), Soil(), Impact(angle=0.3, orientation=0.4))
+    parameters = ("gamma_v", "k_E", "angular_velocity_degps")
+    outputs = ("e_n", "max_penetration_m", "max_normal_force_N")
+    panels = elasticities(scene, parameters, outputs).jaximpact.plot_tornado()
+    figure = panels[0].figure
+    figure.canvas.draw()
+    for axes in panels:
+        for text in axes.texts:
+            place = text.get_window_extent()
+            assert axes.bbox.x0 < place.x0 < place.x1 < axes.bbox.x1
+        assert axes.title.get_window_extent().x1 < figure.bbox.x1
+
+
 def test_a_heat_map_has_a_number_or_a_reason_in_each_cell(upright):
     axes = draw_heat_map(upright).axes[0]
     texts = [text.get_text() for text in axes.texts]

@@ -411,6 +411,30 @@ def test_what_is_no_result_is_shown_without_words(batch, changed):
     assert "e_n" in repr(in_part)
 
 
+def test_histories_are_shown_whatever_is_known():
+    """Before and after the contact there is no motion; means over all have no times."""
+    speed, times = np.array([5.0, 10.0]), [-1e-3, 1e-3, 0.9]
+    result = simulate(Block(), Soil(), Impact(speed=speed), save_at=times)
+    for one in (result, result[0]):
+        assert "accuracy balanced, history of 3 times" in repr(one)
+    depths = result.history.penetration[:, 1]
+    line = f"{depths.min():.6g} to {depths.max():.6g} m (2, 3), 4 nan"
+    assert line in str(result.history)
+    assert "history of" not in repr(jax.tree.map(np.mean, result))
+
+
+def test_what_needs_known_numbers_says_so_in_a_derivative():
+    for method in ("plot", "to_dataframe", "to_xarray", "manifest"):
+
+        def used(speed, method=method):
+            result = simulate(Block(), Soil(), Impact(speed=speed), accuracy="fast")
+            getattr(result, method)()
+            return result.e_n
+
+        with pytest.raises(ValueError, match=f"{method} needs numbers that are known"):
+            jax.grad(used)(5.0)
+
+
 def test_a_result_that_was_donated_is_shown(batch):
     result = jax.tree.map(jnp.array, batch)
     for leaf in jax.tree.leaves(result):
