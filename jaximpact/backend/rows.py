@@ -244,7 +244,8 @@ def refuse_second_order() -> NoReturn:
         "second derivatives of an impact are asked for, or a derivative of one inside "
         "of another, but there are first ones alone: take J.T @ J of the residuals, or "
         "wrap your function in jaximpact.with_second_derivatives, which takes "
-        'differences (documentation: "Optimisers of SciPy")'
+        "differences, and has no third ones (documentation: "
+        '"Optimisers of SciPy")'
     )
 
 
