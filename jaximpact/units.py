@@ -36,8 +36,11 @@ UNITS = {
 
 
 def check_unit(call: str, unit: str) -> None:
-    """Raise InputError, in the name of a call, for a unit in which a number of the
-    model would be another one."""
+    """Check the unit of a parameter.
+
+    Raises InputError, in the name of a call, for one in which the numbers of the model
+    would be others.
+    """
     others = sorted({*re.findall(r"[^\W\d]+|%", unit)} - SI)
     if others and unit not in SIZES:
         raise InputError(
