@@ -127,6 +127,25 @@ def test_laws_that_the_studies_prefer_are_those_of_their_results():
             assert printed == expected, f"{study}: {behind}"
 
 
+def test_limits_and_the_page_of_run_outs_give_the_same_design_values():
+    """Both of the same run, of elongated blocks by either kinematics."""
+    page = (DOCS / "how-to" / "slope-runout.md").read_text(encoding="utf-8")
+    table = page.partition("by DeepestPoint")[2]
+    printed = []
+    for value, unit in (("energy", "kJ"), ("lowest height", "m")):
+        by_both = (
+            rf" {value} +{unit} +([\d.]+) .*\n +- by DeepestPoint +{unit} +([\d.]+) "
+        )
+        printed += [float(x) for x in re.search(by_both, table).groups()]
+    limits = (DOCS / "limits.md").read_text(encoding="utf-8")
+    row = re.search(
+        r"^\| 1\.5 \|.*\| ([\d.]+) m .* \| ([\d.]+) m .* \|(.*) kJ", limits, re.M
+    )
+    energies = [float(x) for x in row[3].split(",")]
+    told = [*reversed(energies), float(row[2]), float(row[1])]
+    np.testing.assert_allclose(told, printed, rtol=0.0, atol=0.0501)  # as rounded there
+
+
 # --- the reference
 
 
