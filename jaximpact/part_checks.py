@@ -10,6 +10,7 @@ import traceback
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -35,6 +36,9 @@ LANES = 2
 CENTRAL_LOADS = (0.005, 0.02, 0.5)
 """Sizes of central loads: below yield at the start of a contact, and above."""
 RATIOS = {"aspect_ratio": "H/R", "out_of_plane_ratio": "W/R"}
+ASPECT_RATIOS = (0.5, 2.0)
+"""Aspect ratios at which a shape is tried, beside its default, if they are in range:
+errors may not show in a round block."""
 ANGLES = (0.0, 0.3, 0.25 * math.pi, 1.2, 0.5 * math.pi, 2.0, math.pi, -0.7)
 """Orientations at which a shape is tried [rad]."""
 DEPTHS = (-0.1, 0.0, 1e-6, 0.1, 0.9, 1.0, 1.3, 2.0, 2.5)
@@ -42,8 +46,9 @@ DEPTHS = (-0.1, 0.0, 1e-6, 0.1, 0.9, 1.0, 1.3, 2.0, 2.5)
 
 
 def check_part(slot: str, part: Part) -> None:
-    """Try a law or a shape of a user's, once for each class and its static fields,
-    whatever its numbers are.
+    """Try a law or a shape of a user's, once for each class and its static fields, with
+    the defaults of its parameters, whatever its numbers are. A shape is tried elongated
+    and flattened too.
 
     Raises InputError, naming the part, what it does and the cure, unless it can be
     computed with, and differentiated, as the model does it.
@@ -246,17 +251,26 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
                 f"{name} has no parameter {ratio}; declare it: {ratio}: Scalar "
                 f'= parameter(1.0, "-", "(0, inf)", "{meaning}")'
             )
-    turn, depth = (np.ravel(x) for x in np.meshgrid(ANGLES, DEPTHS))
+    ratios = _aspect_ratios(type(shape))
+    ratio, turn, depth = (
+        np.ravel(x) for x in np.meshgrid(ratios, ANGLES, DEPTHS, indexing="ij")
+    )
 
-    def support(shape, angle):
+    def semi_axes(shape, ratio):
+        return _elongated(shape, ratio).semi_axes(1.0, 1.0)
+
+    def support(shape, ratio, angle):
+        shape = _elongated(shape, ratio)
         return shape.support(shape.semi_axes(1.0, 1.0), jnp.sin(angle), jnp.cos(angle))
 
-    def arm(shape, angle):
+    def arm(shape, ratio, angle):
+        shape = _elongated(shape, ratio)
         return shape.tangency_arm(
             shape.semi_axes(1.0, 1.0), jnp.sin(angle), jnp.cos(angle)
         )
 
-    def section(shape, angle, depth):
+    def section(shape, ratio, angle, depth):
+        shape = _elongated(shape, ratio)
         axes, sin, cos = shape.semi_axes(1.0, 1.0), jnp.sin(angle), jnp.cos(angle)
         height = shape.support(axes, sin, cos)
         cut = shape.section(axes, sin, cos, height * (1.0 - depth), height * depth)
@@ -268,16 +282,22 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
         return Section(*cut)
 
     for what in ("unit_volume", "unit_inertia"):
-        value = _try(
-            f"{name}: {what}", shape, lambda shape, what=what: getattr(shape, what)
-        )
-        if not value > 0.0:
-            raise InputError(f"{name}: {what} must be positive, but is {value:g}")
-    axes = _try(f"{name}: semi_axes", shape, lambda shape: shape.semi_axes(1.0, 1.0))
-    heights = _try(f"{name}: support", shape, support, turn)
-    _try(f"{name}: tangency_arm", shape, arm, turn)
-    sections = _try(f"{name}: section", shape, section, turn, depth)
-    _check_half_sizes(name, axes, jax.jit(functools.partial(support, shape)))
+
+        def of_unit_size(shape, ratio, what=what):
+            return getattr(_elongated(shape, ratio), what)
+
+        values = _try(f"{name}: {what}", shape, of_unit_size, ratios)
+        bad = ~(values > 0.0)
+        if np.any(bad):
+            raise InputError(
+                f"{name}: {what} must be positive, but is {values[np.argmax(bad)]:g}"
+                f"{_where(bad, ratios)}"
+            )
+    axes = _try(f"{name}: semi_axes", shape, semi_axes, ratios)
+    heights = _try(f"{name}: support", shape, support, ratio, turn)
+    _try(f"{name}: tangency_arm", shape, arm, ratio, turn)
+    sections = _try(f"{name}: section", shape, section, ratio, turn, depth)
+    _check_half_sizes(name, ratios, axes, jax.jit(functools.partial(support, shape)))
     if not np.all(heights > 0.0):
         raise InputError(f"{name}: support must be positive")
     cut = (depth > 0.0) & (depth < 2.0)
@@ -287,33 +307,50 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
         raise InputError(
             f"{name}: section must return left <= right and a width that is not "
             f"negative, but returns left {left:g}, right {right:g}, width {width:g}"
-            f"{_where(turn, bad)}"
+            f"{_where(bad, ratio, turn)}"
         )
 
 
-def _check_half_sizes(name: str, axes: SemiAxes, support: Callable) -> None:
-    for angle, half, size in ((0.0, "H", axes.major), (90.0, "R", axes.minor)):
-        here = float(support(math.radians(angle)))
-        if not math.isclose(here, size, rel_tol=1e-6):
-            raise InputError(
-                f"{name}: support at {angle:g} degrees must be the half size {half}, "
-                f"{size:.6g}, but is {here:.6g}"
-            )
-    for angle in (0.3, 1.2):
-        here = float(support(angle))
-        for other in (-angle, angle + math.pi):
-            there = float(support(other))
-            if not math.isclose(here, there, rel_tol=1e-6):
+def _aspect_ratios(kind: type) -> np.ndarray:
+    declared = declared_of(kind)["aspect_ratio"]
+    lower, upper = (float(end) for end in declared.range[1:-1].split(","))
+    others = [ratio for ratio in ASPECT_RATIOS if lower < ratio < upper]
+    return np.array([declared.si_default, *others])
+
+
+def _elongated(shape: AbstractShape, ratio) -> AbstractShape:
+    return eqx.tree_at(lambda shape: shape.aspect_ratio, shape, ratio)
+
+
+def _check_half_sizes(
+    name: str, ratios: np.ndarray, axes: SemiAxes, support: Callable
+) -> None:
+    for ratio, major, minor in zip(ratios, axes.major, axes.minor, strict=True):
+        for angle, half, size in ((0.0, "H", major), (90.0, "R", minor)):
+            here = float(support(ratio, math.radians(angle)))
+            if not math.isclose(here, size, rel_tol=1e-6):
                 raise InputError(
-                    f"{name}: support must be that of a block symmetric about its "
-                    f"axes, but is {here:.6g} at {math.degrees(angle):.3g} degrees and "
-                    f"{there:.6g} at {math.degrees(other):.3g}"
+                    f"{name}: support at {angle:g} degrees must be the half size "
+                    f"{half}, {size:.6g}, but is {here:.6g} at an aspect ratio of "
+                    f"{ratio:g}"
                 )
+        for angle in (0.3, 1.2):
+            here = float(support(ratio, angle))
+            for other in (-angle, angle + math.pi):
+                there = float(support(ratio, other))
+                if not math.isclose(here, there, rel_tol=1e-6):
+                    raise InputError(
+                        f"{name}: support must be that of a block symmetric about its "
+                        f"axes, but is {here:.6g} at {math.degrees(angle):.3g} degrees "
+                        f"and {there:.6g} at {math.degrees(other):.3g}, at an aspect "
+                        f"ratio of {ratio:g}"
+                    )
 
 
 def _try(name: str, shape: AbstractShape, function: Callable, *inputs: np.ndarray):
     """Try a function of a shape and of one number of each input, scalar by scalar over
-    arrays of inputs, and return its values.
+    arrays of inputs, and return its values. Inputs are aspect ratio, orientation and
+    depth, or the first of them.
 
     Raises InputError for what is no scalar, or is not finite; and whatever the function
     raises as it is traced or differentiated.
@@ -337,15 +374,14 @@ def _try(name: str, shape: AbstractShape, function: Callable, *inputs: np.ndarra
     # One program of XLA, where each operation by itself would be compiled alone.
     @jax.jit
     def computed(*arguments):
-        of_all = (jax.vmap(f, along) if inputs else f for f in (arrays, slopes))
-        return tuple(f(*arguments) for f in of_all)
+        return tuple(jax.vmap(f, along)(*arguments) for f in (arrays, slopes))
 
     values, slopes = computed(shape, *inputs)
     for what, tree in (("", values), (" has a derivative that", slopes)):
         for leaf in jax.tree.leaves(tree):
             bad = ~np.isfinite(np.asarray(leaf))
             if np.any(bad):
-                where = _where(inputs[0], bad) if inputs else ""
+                where = _where(bad, *inputs)
                 raise InputError(
                     f"{name}{what} is not finite{where}; where a root or a quotient is "
                     "not needed, give it a harmless argument by jnp.where before it is "
@@ -354,6 +390,10 @@ def _try(name: str, shape: AbstractShape, function: Callable, *inputs: np.ndarra
     return jax.tree.map(np.asarray, values)
 
 
-def _where(turn: np.ndarray, bad: np.ndarray) -> str:
-    angle = math.degrees(turn[int(np.argmax(bad))])
-    return f" at an orientation of {angle:.3g} degrees"
+def _where(bad: np.ndarray, ratio: np.ndarray, *inputs: np.ndarray) -> str:
+    first = int(np.argmax(bad))
+    words = f" at an aspect ratio of {ratio[first]:g}"
+    if inputs:
+        angle = math.degrees(inputs[0][first])
+        words += f" and an orientation of {angle:.3g} degrees"
+    return words

@@ -35,7 +35,9 @@ def with_second_derivatives(
         central differences of its Jacobian, and the same in either order. They take two
         Jacobians for each parameter. There are no third ones. Where a result is NaN a
         step to either side, as of an impact beyond the end of a range, second
-        derivatives of it are NaN; a smaller step stays inside.
+        derivatives of it are NaN. Where the outcome is another there, as beyond an
+        impact angle of 90 degrees, where the block separates, they are numbers and mean
+        nothing. A smaller step stays on this side of both.
 
     Raises InputError for a step that is no number above 0 and, as it is differentiated,
     for results that are whole numbers.

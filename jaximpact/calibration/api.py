@@ -156,9 +156,11 @@ class Calibration:
 
     @numpy_settings()
     def to_xarray(self, variant: str | None = None) -> "xr.Dataset":
-        """Make a dataset of a variant: values, standard errors and covariance over
-        `parameter`, `draws` and their `weight` over `draw`, measurements, fits and
-        residuals over `test` and `target`."""
+        """Make a dataset of a variant: values, standard errors, 95 % intervals, whether
+        each is identifiable or the reason, covariance and correlation over `parameter`;
+        `draws` and their `weight` over `draw`; measurements, fits, sigmas and residuals
+        over `test` and `target`. Nuisances have no interval, and count as identifiable.
+        """
         from .report.frames import dataset_of
 
         return dataset_of(self._fit(variant))

@@ -82,7 +82,8 @@ upper part is the profile.
 points some times closer: each becomes that of a parabola fitted to the points about it,
 weighted by a Gaussian along x whose standard deviation is smooth_m. The report says by
 how much heights move. Walls and steps are rounded off.
-Materials must not overlap. Where none is, [ground] holds.
+Materials must not overlap. Where none is, the quantities of [ground] hold, and a
+warning says where; if it has none, such ground is refused.
 What [ground] does not give has its default below; rolling_friction_angle_deg is 20,
 an assumption, and roughness_deg 0.
 [ground] may name laws of the soil, flow = "my_laws.py:MyFlow", and [block] a shape;

@@ -181,6 +181,11 @@ def test_tables_of_a_fit(found):
     dataset = found.to_xarray()
     np.testing.assert_array_equal(dataset.fitted, variant.predicted)
     np.testing.assert_array_equal(dataset.draws.sel(parameter="c_v"), draws["c_v"])
+    of_soil = dataset.sel(parameter=list(parameters.index))
+    for name in ("low_95", "high_95", "identifiable", "reason"):
+        np.testing.assert_array_equal(of_soil[name], parameters[name])
+    correlation = found.to_dataframe("correlation")
+    np.testing.assert_array_equal(dataset.correlation, correlation)
     # With every estimated sigma uncertain, as in fit.json, which has six digits of them
     weights = found.as_json()["variants"][0]["draws"]["weights"]
     for same in (draws["weight"], dataset.weight):

@@ -4,6 +4,7 @@ errors."""
 
 import importlib
 import inspect
+import json
 import re
 from decimal import Decimal
 
@@ -72,6 +73,77 @@ def test_the_model_names_files_and_functions_that_there_are():
         assert place is not None, f"model.md names {file}"
         last = name.rpartition(".")[2]
         assert last in place.read_text(encoding="utf-8"), f"{file} has no {name}"
+
+
+STUDIES = re.findall(
+    r"^\| `(\w+)` \|[^|]*\|([^|]*)\| *([^|]*?) *\|$",
+    (DOCS / "calibration.md").read_text(encoding="utf-8").partition("\n| study |")[2],
+    re.MULTILINE,
+)
+"""Names, outcomes and preferred laws of the studies that calibration.md lists."""
+INTERVAL = re.compile(r"`(\w+)` between ([\d.]+) and ([\d.]+)")
+BELOW = re.compile(r"the model is ([\d.]+) ± ([\d.]+) below the best")
+
+
+def result_of(study) -> dict:
+    path = ROOT / "calibration" / study / "result" / "fit.json"
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def rounded_as(text, value) -> str:
+    return f"{value:.{len(text.partition('.')[2])}f}"
+
+
+def test_intervals_of_the_studies_are_those_of_their_results():
+    found = [
+        (study, *told)
+        for study, outcome, _ in STUDIES
+        for told in INTERVAL.findall(outcome)
+    ]
+    assert found
+    for study, name, *told in found:
+        variants = [one["parameters"][name] for one in result_of(study)["variants"]]
+        known = [one["interval_95"] for one in variants if one["interval_95"]]
+        results = [[*map(rounded_as, told, ends)] for ends in known]
+        assert told in results, f"{study}: {name} is {known}"
+
+
+def test_laws_that_the_studies_prefer_are_those_of_their_results():
+    compared = [
+        (study, told) for study, _, told in STUDIES if told not in ("", "not compared")
+    ]
+    assert compared
+    for study, told in compared:
+        comparison = result_of(study)["comparison"]
+        if told.startswith("none is preferred"):
+            assert "no law is preferred" in comparison["verdict"][0], study
+        else:
+            preferred = comparison["preferred"]
+            assert told.removeprefix("the ").startswith(preferred), study
+        model = next((one for one in comparison["laws"] if one["law"] == "model"), {})
+        for printed in BELOW.findall(told):
+            behind = -model["difference"], model["standard_error"]
+            expected = tuple(map(rounded_as, printed, behind))
+            assert printed == expected, f"{study}: {behind}"
+
+
+def test_limits_and_the_page_of_run_outs_give_the_same_design_values():
+    """Both of the same run, of elongated blocks by either kinematics."""
+    page = (DOCS / "how-to" / "slope-runout.md").read_text(encoding="utf-8")
+    table = page.partition("by DeepestPoint")[2]
+    printed = []
+    for value, unit in (("energy", "kJ"), ("lowest height", "m")):
+        by_both = (
+            rf" {value} +{unit} +([\d.]+) .*\n +- by DeepestPoint +{unit} +([\d.]+) "
+        )
+        printed += [float(x) for x in re.search(by_both, table).groups()]
+    limits = (DOCS / "limits.md").read_text(encoding="utf-8")
+    row = re.search(
+        r"^\| 1\.5 \|.*\| ([\d.]+) m .* \| ([\d.]+) m .* \|(.*) kJ", limits, re.M
+    )
+    energies = [float(x) for x in row[3].split(",")]
+    told = [*reversed(energies), float(row[2]), float(row[1])]
+    np.testing.assert_allclose(told, printed, rtol=0.0, atol=0.0501)  # as rounded there
 
 
 # --- the reference

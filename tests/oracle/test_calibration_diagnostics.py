@@ -603,6 +603,19 @@ def test_candidates_without_a_result_are_counted(fitted):
         suggest_tests(fitted, criterion="E")
 
 
+def test_a_test_that_tells_next_to_nothing_is_not_recommended(fitted):
+    """It tells something all the same: the table has its gain."""
+    candidates = {"angle_deg": [0.0, 30.0]}
+    exact = suggest_tests(fitted, candidates, {"e_n": 0.01}, count=1)
+    assert exact.chosen[0].volume > 1.1
+    assert "The next test: angle_deg" in as_text(exact)
+    vague = suggest_tests(fitted, candidates, {"e_n": 1.0}, count=1)
+    assert 1.0 < vague.chosen[0].volume < 1.005
+    text = as_text(vague)
+    assert "best of these tests would shrink the errors by less than 0.5 % in" in text
+    assert "The next test" not in text
+
+
 def test_a_sigma_in_words():
     assert str(Sigma(0.01, 0.1)) == "0.01 and 10 %"
     assert str(Sigma(relative=0.1)) == "10 %"

@@ -18,7 +18,7 @@ from jaximpact.calibration.diagnostics.importance_sampling import (
     stretched,
     weights_of,
 )
-from jaximpact.calibration.diagnostics.predictive import predictive
+from jaximpact.calibration.diagnostics.predictive import Predictive, predictive
 from jaximpact.calibration.diagnostics.uncertainty import estimate, stretch
 from jaximpact.calibration.estimation.sigma import freedom_of_targets
 from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant, read_fitted
@@ -67,6 +67,12 @@ def test_quantiles_of_draws_with_weights():
     assert found.quantile(0.4) == pytest.approx(1.0, abs=1e-12)
     np.testing.assert_allclose(found.weights, [8 / 9, 1 / 9])
     assert predictive(values[2:], ONE, 1.0) is None
+
+
+def test_a_probability_is_1_at_most():
+    weights = np.full(20, 1 / 20)
+    assert np.sum(weights) > 1.0
+    assert Predictive(np.arange(20.0), weights).above(-1.0) == 1.0
 
 
 def test_variances_of_draws_and_scatter_add():

@@ -59,6 +59,12 @@ def lopsided(self, axes, sin, cos):
     return EllipticCylinder.support(self, axes, sin, cos) + 0.1 * sin * cos
 
 
+def wrong_if_elongated(self, axes, sin, cos, height, sinking):
+    found = EllipticCylinder.section(self, axes, sin, cos, height, sinking)
+    sign = jnp.where(self.aspect_ratio > 1.8, -1.0, 1.0)
+    return found._replace(width=sign * found.width)
+
+
 def without_a_root(found, sinking):
     return found._replace(width=jnp.sqrt(sinking))
 
@@ -91,6 +97,10 @@ def without_a_root(found, sinking):
             "left <= right",
         ),
         (
+            lambda: changed(section=wrong_if_elongated),
+            "width that is not negative.* at an aspect ratio of 2 and an orientation",
+        ),
+        (
             lambda: changed(support=lambda self, axes: axes.minor),
             r"shape Mine: TypeError in line|the model calls",
         ),
@@ -99,6 +109,11 @@ def without_a_root(found, sinking):
 def test_errors_name_function_and_cure(shape, words):
     with pytest.raises(InputError, match=words):
         check_part("shape", shape())
+
+
+def test_a_shape_is_tried_at_aspect_ratios_of_its_range_alone():
+    below = parameter(1.5, "-", "(0, 1.8]", "H/R")
+    check_part("shape", changed(section=wrong_if_elongated, aspect_ratio=below))
 
 
 def test_a_shape_is_tried_once():

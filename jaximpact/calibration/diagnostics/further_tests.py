@@ -53,6 +53,8 @@ ALWAYS_POSITIVE = (
 )
 """Results whose error is relative; others, which pass through zero, have an absolute
 one."""
+WORTHWHILE = 1.005
+"""Gain of a test below which it is not recommended."""
 
 
 class Suggestion(NamedTuple):
@@ -373,8 +375,11 @@ def in_words(advice: Suggestions) -> list[str]:
     first = advice.chosen[0]
     where = ", ".join(f"{name} {value:g}" for name, value in first.scene.items())
     what = "everything listed" if first.measured == ALL else first.measured
-    if first.volume < 1.005:
-        lines.append("No candidate would add information.")
+    if first.volume < WORTHWHILE:
+        lines.append(
+            "The best of these tests would shrink the errors by less than "
+            f"{100 * (WORTHWHILE - 1.0):.1g} % in the mean."
+        )
     else:
         shrunk = [
             f"that of {advice.names[index]} by {first.factors[index]:.3g}"

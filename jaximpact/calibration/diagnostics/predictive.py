@@ -43,7 +43,8 @@ class Predictive(NamedTuple):
 
     def above(self, value: float) -> float:
         """Compute the probability of a larger value."""
-        return float(np.sum(self.weights[self.atoms > value]))
+        # Rounding may carry a sum of all weights past 1
+        return min(1.0, float(np.sum(self.weights[self.atoms > value])))
 
     def crps(self, measured: float) -> float:
         """Compute the score of a measurement."""

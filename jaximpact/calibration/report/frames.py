@@ -119,14 +119,21 @@ def dataset_of(fit: Fit) -> "xr.Dataset":
     result, variant, diagnostics = fit
     study, draws = result.study, diagnostics.posterior
     soil = len(variant.verdicts)
+    # Nuisances have a prior, and neither an interval nor a verdict
+    rows = _parameters(fit).reindex(variant.names)
     errors = [variant.standard_error(place) for place in range(len(variant.names))]
-    errors[:soil] = _parameters(fit).standard_error
+    errors[:soil] = rows.standard_error[:soil]
     cells = ("test", "target")
     dataset = xr.Dataset(
         {
             "value": ("parameter", variant.parameters),
             "standard_error": ("parameter", errors),
+            "low_95": ("parameter", rows.low_95.to_numpy()),
+            "high_95": ("parameter", rows.high_95.to_numpy()),
+            "identifiable": ("parameter", rows.identifiable.ne(False).to_numpy(bool)),
+            "reason": ("parameter", rows.reason.fillna("").to_numpy(str)),
             "covariance": (("parameter", "with"), _covariance(fit).to_numpy()),
+            "correlation": (("parameter", "with"), _correlation(fit).to_numpy()),
             "draws": (("draw", "parameter"), variant.bounds.parameter(draws.x)),
             "weight": ("draw", diagnostics.weights),
             "measured": (cells, study.measured),
