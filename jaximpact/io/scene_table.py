@@ -432,19 +432,28 @@ def reads_as_number(cell: str) -> bool:
 def _warn_of_unusual(table: SceneTable) -> None:
     columns = columns_of(table.base)
     for name, values in table.numbers.items():
-        if name not in columns:
-            continue
-        column = columns[name]
-        bad = column.is_unusual(values)
-        if not np.any(bad):
-            continue
-        index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
-        where = f" and {more} more rows" if more else ""
-        warnings.warn(
-            UnusualValueWarning(
-                f"{table.path}, row {table.lines[index]}, column {name}: is "
-                f"{column.describe(values[index], column.unit, where)}",
-                name,
-            ),
-            stacklevel=3,
-        )
+        if name in columns:
+            warn_of_unusual(table.path, columns[name], values, table.lines)
+
+
+def warn_of_unusual(
+    path: Path,
+    column: InputColumn,
+    values: np.ndarray,
+    lines: Sequence[int] | np.ndarray,
+) -> None:
+    """Warn of the first unusual value of a column, in its unit, and name its row by the
+    line of each, `(rows,)`."""
+    bad = column.is_unusual(values)
+    if not np.any(bad):
+        return
+    index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+    where = f" and {more} more rows" if more else ""
+    warnings.warn(
+        UnusualValueWarning(
+            f"{path}, row {lines[index]}, column {column.name}: is "
+            f"{column.describe(values[index], column.unit, where)}",
+            column.name,
+        ),
+        stacklevel=4,
+    )

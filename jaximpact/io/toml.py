@@ -244,11 +244,16 @@ def quantity(key: Key, column: InputColumn, value) -> float:
     """Read a number that the column may hold, in its unit, as something has it; warns
     of one that is unusual."""
     checked = allowed(key, column, value)
+    warn_of_unusual(key, column, checked)
+    return checked
+
+
+def warn_of_unusual(key: Key, column: InputColumn, checked: float) -> None:
+    """Warn of a number, in the column's unit, that is unusual."""
     if column.is_unusual(checked):
         description = column.describe(checked, column.unit)
         text = f"{key.file}, key {key.name}: is {description}"
-        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
-    return checked
+        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=3)
 
 
 def with_named_parts(key: Key, table: Mapping, whole: Composite) -> Composite:

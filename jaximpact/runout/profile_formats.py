@@ -10,7 +10,12 @@ from numpy.typing import ArrayLike
 from .._settings import numpy_settings
 from ..errors import InputError, did_you_mean, located
 from ..io.files import check_text, read_input
-from ..io.scene_table import check_separator, reads_as_number, records_of
+from ..io.scene_table import (
+    check_separator,
+    reads_as_number,
+    records_of,
+    warn_of_unusual,
+)
 from ..quantities import columns_of_part
 from ..scene import Soil
 from ..scene_quantities import SLOTS
@@ -68,8 +73,14 @@ def read_profile_table(
     soil: Soil | None = None,
     rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
     roughness: float = 0.0,
+    *,
+    warn: bool = False,
 ) -> ProfileTable:
-    """Read a profile, and what its columns are; see `read_profile`."""
+    """Read a profile, and what its columns are; see `read_profile`.
+
+    Args:
+        warn: also warn of unusual ground, of which `simulate_runout` does.
+    """
     path, soil = Path(path), soil or Soil()
     of_soil = columns_of_part("soil", soil)
     known = of_soil | ANGLE_COLUMNS
@@ -112,6 +123,8 @@ def read_profile_table(
             number = column.describe(values[place], column.unit)
             problem = f"must be {column.requirement}, but is {number}"
             raise _error(path, problem, lines[place], name)
+        if warn:
+            warn_of_unusual(path, column, values[:-1], lines)
         target = fields if name in of_soil else angles
         target[known[name].field] = known[name].factor * values[:-1]
     try:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from error_messages import warned_once
 from paths import ROOT
+from slope_study import slope_text
 
 from jaximpact import Block, Soil
 from jaximpact.errors import InputError, UnusualValueWarning
@@ -106,6 +107,28 @@ def test_a_bad_file_is_refused_in_a_line(tmp_path, text, said):
     path.write_text(text)
     with pytest.raises(InputError, match=rf"slope.csv.*{said}[^\n]*$"):
         read_profile(path)
+
+
+GROUND_IN_PA = """x_m,y_m,cohesion_kPa,c_v
+0,230,20,0.5
+
+200,115,20000,0.5
+400,0,30000,0.5
+1000,0,90000,5000
+"""
+"""Cohesion in Pa on two of three segments; the ground of the last point is not used."""
+
+
+def test_ground_in_another_unit_is_warned_of_where_a_study_reads_it(folder):
+    csv, study = folder / "p.csv", folder / "slope.toml"
+    csv.write_text(GROUND_IN_PA)
+    study.write_text(slope_text(profile='csv = "p.csv"'))
+    said = r"p.csv, row 4, column cohesion_kPa: is 20000 kPa and 1 more rows; .*Pa\?"
+    with warned_once(UnusualValueWarning, said):
+        read_slope_study(study)
+    # `simulate_runout` warns of what is read in Python.
+    with warned_once(UnusualValueWarning, None):
+        read_profile(csv)
 
 
 def test_the_measured_profile_of_the_repository_is_a_study():
