@@ -91,7 +91,7 @@ def as_text(path: Path, data: bytes) -> str:
         raise InputError(
             "is not text in UTF-8; save the file in that encoding",
             file=path,
-            row=data.count(b"\n", 0, error.start) + 1,
+            row=_row_of(data, error.start),
         ) from None
 
 
@@ -108,8 +108,14 @@ def check_text(path: Path, data: bytes) -> None:
     raise InputError(
         f"holds {what}; is it a CSV?",
         file=path,
-        row=data.count(b"\n", 0, control.start()) + 1,
+        row=_row_of(data, control.start()),
     )
+
+
+def _row_of(data: bytes, place: int) -> int:
+    """Count the row of a byte, from 1, by line ends of any kind: a CSV from a Mac may
+    have carriage returns alone."""
+    return len(re.findall(b"\r\n?|\n", data[:place])) + 1
 
 
 def by_name(checksums: Mapping[Path, str]) -> dict[str, str]:
