@@ -240,6 +240,8 @@ def test_malformed_studies(folder, capsys, study):
         ('note,mass_kg\n"a,1\nb,2\n', "row 2", "not valid CSV"),
         (b"note,mass_kg\na,1\n\xe4,1\n", "row 3", "UTF-8"),
         (b"mass_kg\n1\n\x00\n", "row 3", "null"),
+        (b"PK\x03\x04\x14\x00\x06\x00", "scenes.csv: is a workbook of Excel"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\n", "scenes.csv: is a workbook", "CSV"),
         (b"note,mass_kg\ra,1\r\xe4,1\r", "row 3", "UTF-8"),
         (b"mass_kg\r\n1\r\x00\n", "row 3", "null"),
     ],
