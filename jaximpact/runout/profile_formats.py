@@ -142,8 +142,9 @@ def _error(path: Path, problem: str, line: int, column: str) -> InputError:
 
 def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
     """Read the header with its line, and the rows with theirs; empty lines are passed
-    over. Raises InputError, naming file and row, for rows of other lengths than the
-    header, and for a file without one."""
+    over, and so are columns without a name or a cell, as Excel writes them. Raises
+    InputError, naming file and row, for rows of other lengths than the header, and for
+    a file without one."""
     data = read_input(path, once=False)
     check_text(path, data)
     with located(file=path):
@@ -161,13 +162,20 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
         if len(cells) != len(header):
             problem = f"has {len(cells)} cells, but the header has {len(header)}"
             raise InputError(problem, file=path, row=line)
-    return first, header, rows
+    columns = zip(header, *(cells for _, cells in rows), strict=True)
+    kept = [
+        place for place, column in enumerate(columns) if any(map(str.strip, column))
+    ]
+    rows = [(line, [cells[place] for place in kept]) for line, cells in rows]
+    return first, [header[place] for place in kept], rows
 
 
 def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None:
     for place, name in enumerate(names):
         problem = None
-        if name in SLOTS:
+        if not name:
+            problem = "has no name"
+        elif name in SLOTS:
             problem = (
                 f"names a law, but a profile has one {name} for all its segments; name "
                 "it under [ground] or in the soil"

@@ -3,7 +3,7 @@
 import numpy as np
 import own_laws
 import pytest
-from error_messages import assert_one_line_error
+from error_messages import assert_one_line_error, warned_once
 from slope_study import slope_text
 
 from jaximpact.cli import main
@@ -222,6 +222,19 @@ def test_bad_studies_are_refused(slope, said, old, new):
 def test_bad_tables_are_refused(slope, name, said, old, new):
     with pytest.raises(InputError, match=f"{name}.*{said}"):
         read_slope_fit(changed(slope, old, new, name))
+
+
+@pytest.mark.parametrize(
+    ("stops", "told"),
+    [
+        ("x_m,name,\n70,a,\n61,c,\n", "name"),
+        (",x_m,,name\n0,70,,a\n1,61,,c\n", "one without a name, name"),
+    ],
+)
+def test_columns_without_a_name_are_told_if_they_hold_something(slope, stops, told):
+    (slope.parent / "stops.csv").write_text(stops)
+    with warned_once(UserWarning, rf"stops\.csv: not used are the columns {told}$"):
+        read_slope_fit(slope)
 
 
 @pytest.mark.filterwarnings(UNUSED)

@@ -76,6 +76,14 @@ def test_a_file_gives_points_and_ground(tmp_path):
     np.testing.assert_allclose(np.degrees(profile.rolling_friction_angle), [25.0, 20.0])
 
 
+def test_empty_columns_of_a_file_are_passed_over(tmp_path):
+    """As Excel writes them, also before others."""
+    path = tmp_path / "slope.csv"
+    path.write_text("x_m,, y_m, ,\n0,,9,,\n\n 4,,0, ,\n,,,,\n")
+    profile = read_profile(path)
+    np.testing.assert_array_equal([profile.x, profile.y], [[0.0, 4.0], [9.0, 0.0]])
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -84,6 +92,7 @@ def test_a_file_gives_points_and_ground(tmp_path):
         ("x_m\n0\n1\n", "row 1: needs a column y_m"),
         ("x_m,y_m,gama_v\n0,0,1\n1,0,1\n", "column gama_v: .* did you mean gamma_v"),
         ("x_m,x_m,y_m\n0,0,0\n", "stands twice"),
+        ("x_m,y_m,\n0,0,\n1,0,5\n", "row 1, column 3: has no name"),
         (
             "x_m;y_m\n0;0\n1;0\n",
             "row 1: columns are separated by .;.; separate them by ','",

@@ -230,7 +230,8 @@ def _columns(
         raise InputError("has a header, but no row", file=file)
     unused = [name for name in names if name not in (needed, *others)]
     if unused:
-        remarks.append(f"{file.name}: not used are the columns {', '.join(unused)}")
+        told = ", ".join(name or "one without a name" for name in unused)
+        remarks.append(f"{file.name}: not used are the columns {told}")
     columns = {}
     for place, name in enumerate(names):
         if name in unused:
