@@ -238,10 +238,13 @@ def test_columns_without_a_name_are_told_if_they_hold_something(slope, stops, to
 
 
 @pytest.mark.filterwarnings(UNUSED)
-@pytest.mark.parametrize("values", ["9999,5", "101,5"])
-def test_speeds_that_no_block_has_are_warned_of(slope, values):
+@pytest.mark.parametrize(
+    ("values", "column"),
+    [("9999,5", "speed_mps"), ("101,5", "speed_mps"), ("10,2e6", "energy_kJ")],
+)
+def test_passages_that_no_block_has_are_warned_of(slope, values, column):
     changed(slope, "10,5", values, "passages.csv")
-    said = "row 2, column speed_mps: is .* no data"
+    said = f"row 2, column {column}: is .* no data"
     with pytest.warns(UnusualValueWarning, match=said):
         read_slope_fit(slope)
 
