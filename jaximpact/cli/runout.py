@@ -77,7 +77,8 @@ and material, which names a table [ground.materials.NAME] without from_x_m and t
 DXF drawing (AutoCAD; needs the package ezdxf) has the profile as one polyline, or lines
 and arcs that join, also in blocks, x to the right and y up, in metres or the unit that
 it names; layer says on which layer, where there are several lines. Of a closed line the
-upper part is the profile.
+upper part is the profile. What is invisible is passed over, and so is what is on a
+layer that is off or frozen, unless layer names it.
 [profile] may have smooth_m, which takes the noise of measurement out of the heights of
 points some times closer: each becomes that of a parabola fitted to the points about it,
 weighted by a Gaussian along x whose standard deviation is smooth_m. The report says by

@@ -17,6 +17,8 @@ from ..interruption import unfinished
 CONTROLS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Control characters but for tabs and line ends."""
 CONTROL_BYTES = bytes({*range(32), 127} - set(b"\t\n\r"))
+WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
+"""First bytes of .xlsx and .xls."""
 NO_BACKSLASH = (
     "a backslash in double quotes begins an escape: write / or single quotes for a path"
 )
@@ -91,13 +93,19 @@ def as_text(path: Path, data: bytes) -> str:
         raise InputError(
             "is not text in UTF-8; save the file in that encoding",
             file=path,
-            row=data.count(b"\n", 0, error.start) + 1,
+            row=_row_of(data, error.start),
         ) from None
 
 
 def check_text(path: Path, data: bytes) -> None:
-    """Raise InputError, naming the row, for bytes of a file that are no text in UTF-8
-    or hold control characters."""
+    """Raise InputError, naming the row, for bytes of a CSV that are no text in UTF-8 or
+    hold control characters, and for a workbook."""
+    if data.startswith(WORKBOOKS):
+        raise InputError(
+            "is a workbook of Excel or another packed file; save the sheet as CSV in "
+            "UTF-8",
+            file=path,
+        )
     as_text(path, data)
     # To delete them takes a third of the time that it takes to search for them.
     if len(data.translate(None, CONTROL_BYTES)) == len(data):
@@ -108,8 +116,14 @@ def check_text(path: Path, data: bytes) -> None:
     raise InputError(
         f"holds {what}; is it a CSV?",
         file=path,
-        row=data.count(b"\n", 0, control.start()) + 1,
+        row=_row_of(data, control.start()),
     )
+
+
+def _row_of(data: bytes, place: int) -> int:
+    """Count the row of a byte, from 1, by line ends of any kind: a CSV from a Mac may
+    have carriage returns alone."""
+    return len(re.findall(b"\r\n?|\n", data[:place])) + 1
 
 
 def by_name(checksums: Mapping[Path, str]) -> dict[str, str]:

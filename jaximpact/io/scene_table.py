@@ -9,6 +9,7 @@ import dataclasses
 import hashlib
 import io
 import itertools
+import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -53,6 +54,8 @@ SLICE_ROWS = 2_000
 NOT_MEASURED = ("", "nan", "na", "n/a")
 """Cells of results that were not measured, in small letters."""
 SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
+THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+(\.[0-9]*)?")
+"""A number with commas between its thousands."""
 LIMITS = {">": 1, "<": -1}
 """Signs of a measured value of which only a limit is known -> where the true value
 lies."""
@@ -264,10 +267,17 @@ def _check_lengths(lines, cells_of_rows, count: int) -> None:
         return
     for line, cells in zip(lines, cells_of_rows, strict=True):
         if len(cells) != count:
-            hint = "; write decimals with a point" if len(cells) > count else ""
+            hint = _cure_of_length(cells) if len(cells) > count else ""
             raise InputError(
                 f"has {len(cells)} cells, but the header has {count}{hint}", row=line
             )
+
+
+def _cure_of_length(cells: list[str]) -> str:
+    """Say what to do about a row with too many cells, to follow its message."""
+    if any(cell[:1].isspace() and cell.lstrip()[:1] == '"' for cell in cells):
+        return "; remove the blank before the quotation mark"
+    return "; write decimals with a point, and thousands without a comma"
 
 
 # --- Laws and shapes that cells name.
@@ -400,8 +410,7 @@ def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> st
             "default"
         )
     if not reads_as_number(cell):
-        hint = "; write decimals with a point" if "," in cell else ""
-        return f"must be a number, but is {cell!r}{hint}"
+        return f"must be a number, but is {cell!r}{_cure_of_comma(cell.strip())}"
     if column is not None:
         number = float(cell)
         needed, hint = column.requirement_of(number), column.hint(number, column.unit)
@@ -419,6 +428,15 @@ def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> st
     return f"must be {requirement}, but is {cell.strip()}"
 
 
+def _cure_of_comma(cell: str) -> str:
+    """Say how to write a number with a comma, to follow its message; empty without."""
+    if not THOUSANDS.fullmatch(cell):
+        return "; write decimals with a point" if "," in cell else ""
+    cure = f"; write {cell.replace(',', '')}, without a separator of thousands"
+    may_be_decimal = cell.count(",") == 1 and "." not in cell
+    return f"{cure}, or {cell.replace(',', '.')}" if may_be_decimal else cure
+
+
 def reads_as_number(cell: str) -> bool:
     """Whether a cell is a number. Python reads 1_000 and digits of other scripts as
     one, no other program does."""
@@ -432,19 +450,28 @@ def reads_as_number(cell: str) -> bool:
 def _warn_of_unusual(table: SceneTable) -> None:
     columns = columns_of(table.base)
     for name, values in table.numbers.items():
-        if name not in columns:
-            continue
-        column = columns[name]
-        bad = column.is_unusual(values)
-        if not np.any(bad):
-            continue
-        index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
-        where = f" and {more} more rows" if more else ""
-        warnings.warn(
-            UnusualValueWarning(
-                f"{table.path}, row {table.lines[index]}, column {name}: is "
-                f"{column.describe(values[index], column.unit, where)}",
-                name,
-            ),
-            stacklevel=3,
-        )
+        if name in columns:
+            warn_of_unusual(table.path, columns[name], values, table.lines)
+
+
+def warn_of_unusual(
+    path: Path,
+    column: InputColumn,
+    values: np.ndarray,
+    lines: Sequence[int] | np.ndarray,
+) -> None:
+    """Warn of the first unusual value of a column, in its unit, and name its row by the
+    line of each, `(rows,)`."""
+    bad = column.is_unusual(values)
+    if not np.any(bad):
+        return
+    index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+    where = f" and {more} more rows" if more else ""
+    warnings.warn(
+        UnusualValueWarning(
+            f"{path}, row {lines[index]}, column {column.name}: is "
+            f"{column.describe(values[index], column.unit, where)}",
+            column.name,
+        ),
+        stacklevel=4,
+    )

@@ -29,6 +29,8 @@ DOTTED = re.compile(r"^\[*(?:[\w-]+\.){500}", re.MULTILINE)
 ROW = re.compile(r"at line (\d+)")
 """Row in an error of tomllib."""
 BACKSLASH = re.compile(r'"[^"]*\\')
+UNQUOTED = re.compile(r"""\s*\[[^]"']*[^]"'\x00-\x7f]""")
+"""Head of a table whose name has a letter that TOML takes in quotes only."""
 DIGITS = re.compile(r"[0-9_]{1000,}")
 TOO_DEEP = f"holds tables or lists more than {DEEPEST} deep"
 TOO_LARGE = (
@@ -85,7 +87,7 @@ def parse_toml(path: Path, data: bytes) -> dict:
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise file.error(f"is not valid TOML: {error}{_escape(text, error)}") from error
+        raise file.error(f"is not valid TOML: {error}{_cause(text, error)}") from error
     except RecursionError:
         raise file.error(TOO_DEEP) from None
     except ValueError:
@@ -97,14 +99,16 @@ def parse_toml(path: Path, data: bytes) -> dict:
     return content
 
 
-def _escape(text: str, error: tomllib.TOMLDecodeError) -> str:
+def _cause(text: str, error: tomllib.TOMLDecodeError) -> str:
     """Give the reason of an error in a row with a backslash in double quotes, as in a
-    path of Windows; empty for other errors."""
+    path of Windows, or with a name that lacks its quotes; empty for other errors."""
     row = ROW.search(str(error))
-    lines = text.splitlines()
-    if not row or not BACKSLASH.search("".join(lines[int(row[1]) - 1 : int(row[1])])):
-        return ""
-    return f"; {NO_BACKSLASH}"
+    line = "".join(text.splitlines()[int(row[1]) - 1 : int(row[1])]) if row else ""
+    if BACKSLASH.search(line):
+        return f"; {NO_BACKSLASH}"
+    if UNQUOTED.match(line):
+        return "; a name with other letters than a to z is written in double quotes"
+    return ""
 
 
 def _check_value(key: Key, value: Any, depth: int = 0) -> None:
@@ -244,11 +248,16 @@ def quantity(key: Key, column: InputColumn, value) -> float:
     """Read a number that the column may hold, in its unit, as something has it; warns
     of one that is unusual."""
     checked = allowed(key, column, value)
+    warn_of_unusual(key, column, checked)
+    return checked
+
+
+def warn_of_unusual(key: Key, column: InputColumn, checked: float) -> None:
+    """Warn of a number, in the column's unit, that is unusual."""
     if column.is_unusual(checked):
         description = column.describe(checked, column.unit)
         text = f"{key.file}, key {key.name}: is {description}"
-        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
-    return checked
+        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=3)
 
 
 def with_named_parts(key: Key, table: Mapping, whole: Composite) -> Composite:

@@ -48,6 +48,9 @@ SUMMIT = 9000.0
 FASTEST = 100.0
 """Speed of a block [m/s] that only falls from walls of 500 m and more have, as that of
 the Happy Isles in 1996."""
+LARGEST_ENERGY = 1e8
+"""Kinetic energy of a block [J] that only large ones have: 100 t, some 40 m3, at
+45 m/s."""
 
 
 def first_turning_back(x: np.ndarray) -> int | None:

@@ -57,10 +57,12 @@ def read_dxf_points(
     blocks; arcs are cut to chords. Where the line is closed, as around a section that
     is drawn as an area, the profile is its upper part. The drawing's unit ($INSUNITS)
     is converted to metres; a drawing without a unit is in metres. The layer is needed
-    if lines on several do not join. A line that is drawn twice is taken once.
+    if lines on several do not join. A line that is drawn twice is taken once. What is
+    hidden is passed over: entities that are invisible, or on a layer that is off or
+    frozen and is not the one that `layer` names.
 
-    Warns of a converted unit, of a closed line, of gaps that are closed, and of
-    entities that are not read.
+    Warns of a converted unit, of a closed line, of gaps that are closed, and of hidden
+    lines and entities that are not read.
 
     Returns:
         x and y of the points [m], `(points,)` each, from left to right.
@@ -93,6 +95,7 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
         raise InputError(problem, file=path) from None
     lines: list[Line] = []
     layers: set[str] = set()
+    hidden: collections.Counter[str] = collections.Counter()
     passed_over: collections.Counter[str] = collections.Counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -106,18 +109,21 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
                     file=path,
                 )
             unit, metre = UNITS[number]
-            for entity, on, block in _entities(drawing.modelspace()):
+            unseen = _unseen_layers(drawing, layer)
+            for entity, on, block, is_hidden in _entities(drawing.modelspace(), unseen):
                 kind = _kind(entity)
                 if kind in KINDS:
                     layers.add(on)
                 # CAD programs compare names of layers without regard to case.
                 if layer is not None and layer.casefold() != on.casefold():
                     continue
-                if kind in KINDS:
+                if is_hidden and kind in KINDS:
+                    hidden[on] += 1
+                elif kind in KINDS:
                     points = _chords(path, entity, metre)
                     if len(points) and np.any(points != points[0]):
                         lines.append(Line(_flat(path, on, points), on, block))
-                elif kind not in SILENT:
+                elif kind not in SILENT and not is_hidden:
                     passed_over[kind] += 1
         except InputError:
             raise
@@ -127,6 +133,8 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
                 f"is no DXF drawing that can be read: {reason}", file=path
             ) from None
     others = ", ".join(f"{count} {kind}" for kind, count in passed_over.items())
+    if not lines and hidden:
+        raise InputError(f"has no line to be read: {_told(hidden, layer)}", file=path)
     if not lines and layers and layer is not None:
         hint = did_you_mean(layer, layers, repr)
         raise InputError(f"has no line on a layer {layer!r}; {hint}", file=path)
@@ -143,6 +151,8 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
             f"is in {unit} by its $INSUNITS: coordinates are taken times {metre:g} as "
             "metres; if they are metres already, set its units to metres",
         )
+    if hidden:
+        _warn(path, _told(hidden, layer))
     if others:
         _warn(
             path,
@@ -152,26 +162,55 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
     return lines
 
 
+class Unseen(NamedTuple):
+    """Layers that a drawing does not show, by their names in small letters."""
+
+    off: set[str]
+    frozen: set[str]
+
+
+def _unseen_layers(drawing, wanted: str | None) -> Unseen:
+    """Find the layers that are not shown, without the one that is wanted."""
+    layers = {
+        layer.dxf.name.casefold(): layer
+        for layer in drawing.layers
+        if wanted is None or layer.dxf.name.casefold() != wanted.casefold()
+    }
+    return Unseen(
+        off={name for name, layer in layers.items() if layer.is_off()},
+        frozen={name for name, layer in layers.items() if layer.is_frozen()},
+    )
+
+
 def _entities(
-    entities, inherited: str = "0", blocks: tuple[str, ...] = ()
-) -> Iterator[tuple[Any, str, str]]:
+    entities,
+    unseen: Unseen,
+    inherited: str = "0",
+    blocks: tuple[str, ...] = (),
+    in_hidden: bool = False,
+) -> Iterator[tuple[Any, str, str, bool]]:
     """List entities, those of blocks at the places where they are inserted, with their
-    layers and the name of the outermost block.
+    layers, the name of the outermost block, and whether they are hidden.
 
     What a block has on layer 0 inherits the layer of its insertion; `blocks` are those
-    that the entities are in, the outermost first.
+    that the entities are in, the outermost first. An insertion on a frozen layer hides
+    all of its block, one on a layer that is off only what the block has on that layer.
     """
     for entity in entities:
         layer = entity.dxf.get("layer", "0")
         on = inherited if layer == "0" else layer
+        hidden = in_hidden or bool(entity.dxf.get("invisible", 0))
+        hidden |= on.casefold() in unseen.frozen
         if _kind(entity) != "INSERT":
-            yield entity, on, blocks[0] if blocks else ""
+            hidden |= on.casefold() in unseen.off
+            yield entity, on, blocks[0] if blocks else "", hidden
             continue
         name = entity.dxf.name
         if name in blocks:
             raise ValueError(f"the block {name!r} contains itself")
         for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
-            yield from _entities(_content(insert), on, (*blocks, name))
+            content = _content(insert)
+            yield from _entities(content, unseen, on, (*blocks, name), hidden)
 
 
 def _content(insert) -> list:
@@ -321,6 +360,24 @@ def _in_words(point: np.ndarray) -> str:
     return f"({point[0]:.10g}, {point[1]:.10g}) m"
 
 
+def _told(hidden: collections.Counter[str], layer: str | None) -> str:
+    """Say that hidden lines are passed over, by the numbers on their layers."""
+    cure = (
+        ""
+        if layer is not None
+        else ", or let layer name the layer that is off or frozen"
+    )
+    return (
+        "lines that are invisible, or on a layer that is off or frozen, are passed "
+        f"over ({_counted(hidden)}); show what is ground{cure}"
+    )
+
+
+def _counted(lines: collections.Counter[str]) -> str:
+    """List layers with their numbers of lines."""
+    return ", ".join(f"{name!r}: {count}" for name, count in lines.items())
+
+
 def _not_joined(lines: list[Line], chains: list[list[int]]) -> str:
     """Say what lines do not join, and where they come nearest to each other."""
     counts = collections.Counter(line.layer for line in lines)
@@ -332,9 +389,9 @@ def _not_joined(lines: list[Line], chains: list[list[int]]) -> str:
     if gap <= GAP:
         where = f"more than two ends meet at {_in_words(one)}"
     if len(counts) > 1:
-        layers = ", ".join(f"{name!r}: {n}" for name, n in counts.items())
         return (
-            f"has lines that do not join on {len(counts)} layers ({layers}{inside}); "
+            f"has lines that do not join on {len(counts)} layers "
+            f"({_counted(counts)}{inside}); "
             f"layer must say which is the profile, or if it is all of them: {where}"
         )
     return (

@@ -10,7 +10,12 @@ from numpy.typing import ArrayLike
 from .._settings import numpy_settings
 from ..errors import InputError, did_you_mean, located
 from ..io.files import check_text, read_input
-from ..io.scene_table import check_separator, reads_as_number, records_of
+from ..io.scene_table import (
+    check_separator,
+    reads_as_number,
+    records_of,
+    warn_of_unusual,
+)
 from ..quantities import columns_of_part
 from ..scene import Soil
 from ..scene_quantities import SLOTS
@@ -68,8 +73,14 @@ def read_profile_table(
     soil: Soil | None = None,
     rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
     roughness: float = 0.0,
+    *,
+    warn: bool = False,
 ) -> ProfileTable:
-    """Read a profile, and what its columns are; see `read_profile`."""
+    """Read a profile, and what its columns are; see `read_profile`.
+
+    Args:
+        warn: also warn of unusual ground, of which `simulate_runout` does.
+    """
     path, soil = Path(path), soil or Soil()
     of_soil = columns_of_part("soil", soil)
     known = of_soil | ANGLE_COLUMNS
@@ -112,6 +123,8 @@ def read_profile_table(
             number = column.describe(values[place], column.unit)
             problem = f"must be {column.requirement}, but is {number}"
             raise _error(path, problem, lines[place], name)
+        if warn:
+            warn_of_unusual(path, column, values[:-1], lines)
         target = fields if name in of_soil else angles
         target[known[name].field] = known[name].factor * values[:-1]
     try:
@@ -129,8 +142,9 @@ def _error(path: Path, problem: str, line: int, column: str) -> InputError:
 
 def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
     """Read the header with its line, and the rows with theirs; empty lines are passed
-    over. Raises InputError, naming file and row, for rows of other lengths than the
-    header, and for a file without one."""
+    over, and so are columns without a name or a cell, as Excel writes them. Raises
+    InputError, naming file and row, for rows of other lengths than the header, and for
+    a file without one."""
     data = read_input(path, once=False)
     check_text(path, data)
     with located(file=path):
@@ -148,13 +162,20 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
         if len(cells) != len(header):
             problem = f"has {len(cells)} cells, but the header has {len(header)}"
             raise InputError(problem, file=path, row=line)
-    return first, header, rows
+    columns = zip(header, *(cells for _, cells in rows), strict=True)
+    kept = [
+        place for place, column in enumerate(columns) if any(map(str.strip, column))
+    ]
+    rows = [(line, [cells[place] for place in kept]) for line, cells in rows]
+    return first, [header[place] for place in kept], rows
 
 
 def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None:
     for place, name in enumerate(names):
         problem = None
-        if name in SLOTS:
+        if not name:
+            problem = "has no name"
+        elif name in SLOTS:
             problem = (
                 f"names a law, but a profile has one {name} for all its segments; name "
                 "it under [ground] or in the soil"

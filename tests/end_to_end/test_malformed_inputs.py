@@ -218,6 +218,15 @@ def test_malformed_studies(folder, capsys, study):
         ("mass_kg\tk_E\n1\t2\n", "row 1", "separated by tabs"),
         ("mass_kg\n1,5\n", "row 2", "2 cells", "has 1", "point"),
         ('mass_kg\n"1,5"\n', "row 2", "mass_kg", "'1,5'", "point"),
+        ('mass_kg\n"1,500"\n', "'1,500'; write 1500, without a sep", "or 1.500"),
+        (
+            'mass_kg\n"-1,500.5"\n',
+            "; write -1500.5, without a separator of thousands",
+        ),
+        ('mass_kg\n"0,500"\n', "'0,500'; write decimals with a point"),
+        ('mass_kg\n"1,5000"\n', "'1,5000'; write decimals with a point"),
+        ("mass_kg\n1,500\n", "row 2", "2 cells", "and thousands without a comma"),
+        ('mass_kg,note\n5, "a, b"\n', "row 2", "3 cells", "has 2; remove the blank"),
         ("mass_kg,k_E\n1,2\n3\n", "row 3", "1 cells", "has 2"),
         ("k_E,mass_kg\n1,2\n3,heavy\n", "row 3", "column mass_kg", "'heavy'"),
         ("k_E,mass_kg\n1,2\n,2\n", "row 3", "column k_E", "is empty"),
@@ -231,6 +240,10 @@ def test_malformed_studies(folder, capsys, study):
         ('note,mass_kg\n"a,1\nb,2\n', "row 2", "not valid CSV"),
         (b"note,mass_kg\na,1\n\xe4,1\n", "row 3", "UTF-8"),
         (b"mass_kg\n1\n\x00\n", "row 3", "null"),
+        (b"PK\x03\x04\x14\x00\x06\x00", "scenes.csv: is a workbook of Excel"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\n", "scenes.csv: is a workbook", "CSV"),
+        (b"note,mass_kg\ra,1\r\xe4,1\r", "row 3", "UTF-8"),
+        (b"mass_kg\r\n1\r\x00\n", "row 3", "null"),
     ],
 )
 def test_malformed_tables(folder, capsys, table):

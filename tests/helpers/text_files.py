@@ -29,5 +29,5 @@ def write_changed(path, text, *pairs):
     for old, new in pairs:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     return path

@@ -3,7 +3,7 @@
 import numpy as np
 import own_laws
 import pytest
-from error_messages import assert_one_line_error
+from error_messages import assert_one_line_error, warned_once
 from slope_study import slope_text
 
 from jaximpact.cli import main
@@ -224,11 +224,27 @@ def test_bad_tables_are_refused(slope, name, said, old, new):
         read_slope_fit(changed(slope, old, new, name))
 
 
+@pytest.mark.parametrize(
+    ("stops", "told"),
+    [
+        ("x_m,name,\n70,a,\n61,c,\n", "name"),
+        (",x_m,,name\n0,70,,a\n1,61,,c\n", "one without a name, name"),
+    ],
+)
+def test_columns_without_a_name_are_told_if_they_hold_something(slope, stops, told):
+    (slope.parent / "stops.csv").write_text(stops)
+    with warned_once(UserWarning, rf"stops\.csv: not used are the columns {told}$"):
+        read_slope_fit(slope)
+
+
 @pytest.mark.filterwarnings(UNUSED)
-@pytest.mark.parametrize("values", ["9999,5", "101,5"])
-def test_speeds_that_no_block_has_are_warned_of(slope, values):
+@pytest.mark.parametrize(
+    ("values", "column"),
+    [("9999,5", "speed_mps"), ("101,5", "speed_mps"), ("10,2e6", "energy_kJ")],
+)
+def test_passages_that_no_block_has_are_warned_of(slope, values, column):
     changed(slope, "10,5", values, "passages.csv")
-    said = "row 2, column speed_mps: is .* no data"
+    said = f"row 2, column {column}: is .* no data"
     with pytest.warns(UnusualValueWarning, match=said):
         read_slope_fit(slope)
 

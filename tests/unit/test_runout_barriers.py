@@ -69,6 +69,21 @@ def test_bad_barriers_are_refused(tmp_path, message, changes):
         barriers(tmp_path, table)
 
 
+@pytest.mark.parametrize(
+    ("said", "changes"),
+    [
+        ("height_m: is 3000, while usual are up to 50; is it in", {"height_m": 3000}),
+        # As a fence of 100 kJ would be in J.
+        ("capacity_kJ: is 100000, while usual are up to 50000", {"capacity_kJ": 1e5}),
+        (None, {"height_m": 25, "capacity_kJ": 4e4}),
+    ],
+)
+def test_barriers_in_another_unit_are_warned_of(tmp_path, said, changes):
+    said = said and rf"slope.toml, key barriers\.1\.{said}"
+    with warned_once(UnusualValueWarning, said):
+        barriers(tmp_path, BARRIER | changes)
+
+
 def test_names_tell_barriers_apart(tmp_path):
     with pytest.raises(InputError, match=r"barriers\.2\.name: .*stands twice"):
         barriers(tmp_path, BARRIER, BARRIER)

@@ -4,12 +4,15 @@ import re
 
 import numpy as np
 import pytest
+from error_messages import warned_once
 from scipy import stats
 
-from jaximpact.errors import InputError
+from jaximpact import Soil
+from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.io.toml import Key
 from jaximpact.runout import Lognormal, Normal, PowerLaw, Uniform, draw
-from jaximpact.runout.study.quantity import read_quantity
+from jaximpact.runout.study.quantity import read_ground_quantity, read_quantity
+from jaximpact.runout.terrain import ground_columns
 
 U = np.concatenate([[2.0**-54, 1e-12, 1.0 - 2.0**-53], np.linspace(0.001, 0.999, 999)])
 
@@ -159,3 +162,35 @@ def test_a_file_says_distributions(tmp_path, said, read):
 def test_bad_distributions_are_refused(tmp_path, message, said):
     with pytest.raises(InputError, match=re.escape(message)):
         read_quantity(Key(tmp_path / "s.toml", "key"), said, None)
+
+
+@pytest.mark.parametrize(
+    ("name", "said", "warning"),
+    [
+        ("cohesion_kPa", {"mean": 2e4, "sd": 5e3}, r"key.mean: is 20000 kPa; .* Pa\?"),
+        ("cohesion_kPa", {"median": 2e4, "geometric_sd": 2}, "key.median: is 20000"),
+        (
+            "cohesion_kPa",
+            {"exponent": 1, "least": 1, "most": 2e4},
+            "key.most: is 20000",
+        ),
+        (
+            "cohesion_kPa",
+            {"mean": 2e4, "sd": 5e3, "correlation_length_m": 10},
+            "key.mean: is 20000",
+        ),
+        (
+            "friction_angle_deg",
+            {"mean": 30, "sd": 5, "least": 0.35},
+            r"key.least: is 0.35 deg; .* rad\?",
+        ),
+        # Ends of what the quantity may be, which are no values of it.
+        ("friction_angle_deg", {"mean": 30, "sd": 5, "least": 0, "most": 60}, None),
+        ("k_E", {"mean": 900, "sd": 500, "least": 0}, None),
+    ],
+)
+def test_parameters_in_another_unit_are_warned_of(tmp_path, name, said, warning):
+    with warned_once(UnusualValueWarning, warning):
+        read_ground_quantity(
+            Key(tmp_path / "s.toml", "key"), said, ground_columns(Soil())[name]
+        )

@@ -84,6 +84,14 @@ def test_a_column_names_materials(slope, changed):
     np.testing.assert_array_equal(study.ground.soil.relative_density, [0.5, 0.5, 0.6])
 
 
+def test_names_of_materials_have_the_letters_of_any_language(slope, changed):
+    slope.with_name("p.csv").write_text(CSV.replace("scree", "Geröll"), "utf-8")
+    named = changed(*RANGES, (POINTS, 'csv = "p.csv"'), (".scree", '."Geröll"'))
+    study = read_slope_study(named)
+    assert study.inputs.materials == ("Geröll", "Geröll", "meadow")
+    assert [*study.inputs.ground_samples] == ["materials_Geröll_gamma_v"]
+
+
 def test_samples_are_those_of_the_study_without_cuts(slope, changed):
     by_range = read_slope_study(slope)
     by_column = read_slope_study(changed(*RANGES, (POINTS, 'csv = "p.csv"')))

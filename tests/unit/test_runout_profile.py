@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from error_messages import warned_once
 from paths import ROOT
+from slope_study import slope_text
 
 from jaximpact import Block, Soil
 from jaximpact.errors import InputError, UnusualValueWarning
@@ -75,6 +76,14 @@ def test_a_file_gives_points_and_ground(tmp_path):
     np.testing.assert_allclose(np.degrees(profile.rolling_friction_angle), [25.0, 20.0])
 
 
+def test_empty_columns_of_a_file_are_passed_over(tmp_path):
+    """As Excel writes them, also before others."""
+    path = tmp_path / "slope.csv"
+    path.write_text("x_m,, y_m, ,\n0,,9,,\n\n 4,,0, ,\n,,,,\n")
+    profile = read_profile(path)
+    np.testing.assert_array_equal([profile.x, profile.y], [[0.0, 4.0], [9.0, 0.0]])
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -83,6 +92,7 @@ def test_a_file_gives_points_and_ground(tmp_path):
         ("x_m\n0\n1\n", "row 1: needs a column y_m"),
         ("x_m,y_m,gama_v\n0,0,1\n1,0,1\n", "column gama_v: .* did you mean gamma_v"),
         ("x_m,x_m,y_m\n0,0,0\n", "stands twice"),
+        ("x_m,y_m,\n0,0,\n1,0,5\n", "row 1, column 3: has no name"),
         (
             "x_m;y_m\n0;0\n1;0\n",
             "row 1: columns are separated by .;.; separate them by ','",
@@ -106,6 +116,28 @@ def test_a_bad_file_is_refused_in_a_line(tmp_path, text, said):
     path.write_text(text)
     with pytest.raises(InputError, match=rf"slope.csv.*{said}[^\n]*$"):
         read_profile(path)
+
+
+GROUND_IN_PA = """x_m,y_m,cohesion_kPa,c_v
+0,230,20,0.5
+
+200,115,20000,0.5
+400,0,30000,0.5
+1000,0,90000,5000
+"""
+"""Cohesion in Pa on two of three segments; the ground of the last point is not used."""
+
+
+def test_ground_in_another_unit_is_warned_of_where_a_study_reads_it(folder):
+    csv, study = folder / "p.csv", folder / "slope.toml"
+    csv.write_text(GROUND_IN_PA)
+    study.write_text(slope_text(profile='csv = "p.csv"'))
+    said = r"p.csv, row 4, column cohesion_kPa: is 20000 kPa and 1 more rows; .*Pa\?"
+    with warned_once(UnusualValueWarning, said):
+        read_slope_study(study)
+    # `simulate_runout` warns of what is read in Python.
+    with warned_once(UnusualValueWarning, None):
+        read_profile(csv)
 
 
 def test_the_measured_profile_of_the_repository_is_a_study():

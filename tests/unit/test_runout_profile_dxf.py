@@ -175,6 +175,65 @@ def test_what_is_not_read_beside_lines_is_told(drawing, tmp_path):
         read(drawing, tmp_path, "0")
 
 
+def beyond_the_end(drawing, layer, **attributes):
+    """The profile on a layer T, and a line on another layer that goes on from it."""
+    drawing.modelspace().add_lwpolyline(POINTS, dxfattribs={"layer": "T"})
+    attributes["layer"] = layer
+    drawing.modelspace().add_line(POINTS[-1], (1500, 300), dxfattribs=attributes)
+
+
+@pytest.mark.parametrize("how", ["off", "freeze", "invisible"])
+def test_what_a_drawing_hides_is_no_part_of_the_profile(drawing, tmp_path, how):
+    layer = drawing.layers.add("OLD")
+    if how == "invisible":
+        beyond_the_end(drawing, "OLD", invisible=1)
+    else:
+        beyond_the_end(drawing, "OLD")
+        getattr(layer, how)()
+    said = r"slope\.dxf: lines that are invisible, or .* passed over \('OLD': 1\); show"
+    with warned_once(UnusualValueWarning, said):
+        x, y = read(drawing, tmp_path)
+    np.testing.assert_array_equal(x, X)
+    np.testing.assert_array_equal(y, Y)
+    with warned_once(UnusualValueWarning, None):
+        x, y = read(drawing, tmp_path, "T")
+    np.testing.assert_array_equal(x, X)
+
+
+@pytest.mark.parametrize("how", ["off", "freeze"])
+def test_a_hidden_layer_that_is_named_is_read(drawing, tmp_path, how):
+    getattr(drawing.layers.add("Old"), how)()
+    beyond_the_end(drawing, "Old")
+    x, y = read(drawing, tmp_path, "OLD")
+    np.testing.assert_array_equal([x, y], [[1000.0, 1500.0], [0.0, 300.0]])
+
+
+def test_a_drawing_of_hidden_lines_alone_is_refused(drawing, tmp_path):
+    drawing.layers.add("OLD").freeze()
+    drawing.modelspace().add_lwpolyline(POINTS, dxfattribs={"layer": "OLD"})
+    said = r"has no line to be read: .* \('OLD': 1\); show .* or let layer name the lay"
+    with pytest.raises(InputError, match=said):
+        read(drawing, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("how", "hidden"), [("off", "'ROW': 1"), ("freeze", "'ROW': 1, 'A': 1")]
+)
+def test_a_hidden_insertion_hides_its_block(drawing, tmp_path, how, hidden):
+    """One on a frozen layer all of it, one that is off what the block has there."""
+    block = drawing.blocks.new("SECTION")
+    block.add_line((1000, 0), (1500, 300))
+    block.add_line((1000, 0), (1200, 0), dxfattribs={"layer": "A"})
+    getattr(drawing.layers.add("ROW"), how)()
+    space = drawing.modelspace()
+    space.add_lwpolyline(POINTS)
+    space.add_blockref("SECTION", (0, 0), dxfattribs={"layer": "ROW"})
+    with pytest.warns(UnusualValueWarning, match=rf"passed over \({hidden}\); show"):
+        x, _ = read(drawing, tmp_path)
+    # The line on A goes on from the profile.
+    np.testing.assert_array_equal(x, [*X, 1200.0] if how == "off" else X)
+
+
 def insert_of_lines(drawing, at=(0.0, 0.0), **attributes):
     """Insert a block that has the profile on layer 0 into the model space."""
     block = drawing.blocks.new("SECTION")

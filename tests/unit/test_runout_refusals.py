@@ -98,6 +98,7 @@ OF_MATERIALS = (
     ("meadow.to_xm ... did you mean to_x_m?", "to_x_m = 200", "to_xm = 200"),
     ("flow ... a law of one part", "roughness_deg = 2", 'flow = "FluidityRate"'),
     ("a meadow ... letters, digits", ".meadow", ".'a meadow'"),
+    ("not valid TOML ... than a to z is written in double quotes", ".meadow", ".Hügel"),
     ("segments and materials", "[block]", "[ground.segment.1]\nc_v = 1\n[block]"),
     # Distributions and fields.
     ("k_E ... above 0 ... for block", "sd = 100, least = 300", "sd = 700"),

@@ -11,7 +11,7 @@ from ...errors import InputError, UnusualValueWarning
 from ...io.scene_table import reads_as_number
 from ...io.toml import Key, check_keys, known_table, number, typed, whole
 from ...reports.tables import at_x
-from ..coordinates import FASTEST, HIGHEST_CLIFF
+from ..coordinates import FASTEST, HIGHEST_CLIFF, LARGEST_ENERGY
 from ..profile_formats import records_of_file
 from ..terrain import Profile, check_inside
 
@@ -21,6 +21,12 @@ STOP_COLUMN, COLLECTOR_COLUMN = "x_m", "collector_m"
 PASSAGE_COLUMNS = ("speed_mps", "height_m", "energy_kJ")
 """Speed, height of the centre above the ground, and kinetic energy of translation and
 rotation, at the first passage."""
+USUAL = {
+    "speed_mps": FASTEST,
+    "height_m": HIGHEST_CLIFF,  # no block flies higher
+    "energy_kJ": 1e-3 * LARGEST_ENERGY,
+}
+"""Values of these that hardly any block has: a unit may be mistaken."""
 PER_PLACE = len(PASSAGE_COLUMNS) + 1
 """Number of quantities at a place of simulated data sets: of what can be observed, then
 the height of the lowest point, which tells what barriers do."""
@@ -204,10 +210,9 @@ def _passages(
 def _warn_of_unusual(
     file: Path, name: str, values: np.ndarray, lines: list[int]
 ) -> None:
-    """Warn of the first speed or height that hardly any block has: a mark for no data,
-    or another unit."""
-    # No block flies higher than a cliff.
-    usual = {"speed_mps": FASTEST, "height_m": HIGHEST_CLIFF}.get(name, np.inf)
+    """Warn of the first value that hardly any block has: a mark for no data, or another
+    unit."""
+    usual = USUAL[name]
     unusual = values > usual
     if np.any(unusual):
         i = int(np.argmax(unusual))
@@ -230,7 +235,8 @@ def _columns(
         raise InputError("has a header, but no row", file=file)
     unused = [name for name in names if name not in (needed, *others)]
     if unused:
-        remarks.append(f"{file.name}: not used are the columns {', '.join(unused)}")
+        told = ", ".join(name or "one without a name" for name in unused)
+        remarks.append(f"{file.name}: not used are the columns {told}")
     columns = {}
     for place, name in enumerate(names):
         if name in unused:

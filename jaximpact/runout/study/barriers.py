@@ -13,6 +13,7 @@ on as if no barrier stood there: what is stopped is counted, and not removed.
 
 import enum
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -20,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from ...errors import UnusualValueWarning
 from ...io.toml import Key, check_keys, number, one_line
 from ...reports.json_tree import plain
 from ...reports.tables import Table, interval_text, place_text
@@ -38,6 +40,9 @@ from .intervals import (
 MOST_BARRIERS = 100
 """Largest number of barriers: each is rows of every table."""
 KEYS = ("name", "x_m", "height_m", "capacity_kJ")
+USUAL = {"height_m": 50.0, "capacity_kJ": 5e4}
+"""Values beyond which a unit may be mistaken: fences take 10 MJ and are 10 m high at
+most, embankments take some tens of MJ and may be some tens of metres high."""
 
 
 class Barrier(NamedTuple):
@@ -58,6 +63,7 @@ def read_barriers(path: Path, content: dict, profile: Profile) -> tuple[Barrier,
 
     Raises InputError, naming file and key, for a barrier that is not on the profile,
     for heights and capacities that are not above 0, and for names that stand twice.
+    Warns of heights and capacities that no barrier has.
     """
     key, tables = Key(path)["barriers"], content.get("barriers", [])
     if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
@@ -87,10 +93,20 @@ def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
             raise key[name].error(
                 f"must be at most {LARGEST:g} m, but is {numbers[name]:g}"
             )
+        _warn_of_unusual(key, name, numbers[name])
     x, height, capacity = numbers.values()
     check_inside(profile, x, **key["x_m"].place)
     name = one_line(key, table, "name", f"barrier at {place_text(x, 6)} m")
     return Barrier(name, x, height, 1e3 * capacity)
+
+
+def _warn_of_unusual(key: Key, name: str, value: float) -> None:
+    if value > USUAL.get(name, math.inf):
+        text = (
+            f"{key.file}, key {key[name].name}: is {value:g}, while usual are up to "
+            f"{USUAL[name]:g}; is it in another unit?"
+        )
+        warnings.warn(UnusualValueWarning(text, name), stacklevel=2)
 
 
 DESIGN_PERCENTILES = (95, 99)

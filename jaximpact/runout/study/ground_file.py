@@ -213,7 +213,7 @@ def _material(
     table: Key, name: str, values, soil: Soil
 ) -> tuple[GroundPart, Quantities]:
     key = table[name]
-    if not re.fullmatch("[A-Za-z0-9_-]+", name):
+    if not re.fullmatch(r"[\w-]+", name):
         raise key.error("must be a name of letters, digits, _ and -")
     values = dict(of_kind(key, values, dict))
     ends = [number(key[end], values.pop(end)) for end in ENDS if end in values]

@@ -55,7 +55,7 @@ def read_ground_profile(
         data = read_input(file, once=False)
         checksums[file] = hashlib.sha256(data).hexdigest()
         if "csv" in table:
-            profile, columns, materials = read_profile_table(file, *surface)
+            profile, columns, materials = read_profile_table(file, *surface, warn=True)
             _check_said_once(ground, file, columns)
         else:
             layer = typed(key, table, "layer", str) if "layer" in table else None

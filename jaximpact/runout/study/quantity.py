@@ -1,6 +1,6 @@
 """Quantities of a study: numbers, lists and distributions from its file."""
 
-from ...io.toml import Key, check_keys, number, quantity
+from ...io.toml import Key, check_keys, number, quantity, warn_of_unusual
 from ...quantities import InputColumn
 from ..random_inputs import (
     BOUNDS,
@@ -24,12 +24,15 @@ ENDS = ("from", "to")
 """Keys of the uniform distribution."""
 LENGTH = "correlation_length_m"
 """Key of a quantity of the ground that varies along the slope."""
+VALUES = ("mean", "median", *BOUNDS)
+"""Keys of distributions that are values of the quantity, in its unit."""
 KEYS = (*(name for names in KINDS.values() for name in names), *ENDS, *BOUNDS)
 
 
 def read_quantity(key: Key, value, column: InputColumn | None) -> Quantity:
     """Read a number, a list or a distribution, of numbers that a column allows if there
-    is one; InputError, naming file and key, for anything else."""
+    is one; InputError, naming file and key, for anything else. Warns of unusual numbers
+    and parameters of distributions."""
 
     def one(value, key=key) -> float:
         return number(key, value) if column is None else quantity(key, column, value)
@@ -48,6 +51,10 @@ def read_quantity(key: Key, value, column: InputColumn | None) -> Quantity:
         _check(key, uniform)
         return uniform
     numbers = {n: number(key[n], v) for n, v in value.items()}
+    for name in VALUES:
+        # One that is not allowed, as least = 0 of a mass, is no value of a block.
+        if column and name in numbers and column.is_allowed(numbers[name]):
+            warn_of_unusual(key[name], column, numbers[name])
     for kind, names in KINDS.items():
         if {*names} <= set(numbers) <= {*names, *BOUNDS}:
             if kind is PowerLaw and len(numbers) < 3:

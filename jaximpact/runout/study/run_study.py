@@ -124,7 +124,8 @@ def simulate(
 ) -> Runs:
     """Simulate the trajectories of some blocks of a study, or of all."""
     part = study if chosen is None else _part_of(study, chosen)
-    # All that `simulate_runout` checks was checked as the study was read.
+    # All that `simulate_runout` refuses or warns of was as the study was read, but for
+    # single samples of distributions, of which the parameters were warned of.
     return follow(
         profile=part.profile,
         release=part.release,
