@@ -224,6 +224,38 @@ def test_a_study_file_gives_base_and_axes(study):
     assert axes["ground"] == {"name": ["dense", "loose"], "c_v": [1.0, 0.5]}
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "[impact]\nangle_deg = 5\n[axes]\nangle_deg = [10, 20]",
+            r"key axes\.angle_deg: stands in \[impact\] too; remove one",
+        ),
+        (
+            "angle_deg = 5\n[axes.g]\nname = ['a']\nangle_deg = [10]",
+            r"key axes\.g\.angle_deg: stands before all tables too; remove one",
+        ),
+    ],
+)
+def test_a_study_says_a_quantity_once(study, text, message):
+    with pytest.raises(InputError, match=message):
+        study(text)
+
+
+def test_the_shape_of_a_study_says_which_parameters_it_has(study):
+    base, axes, _ = study(
+        """
+        [block]
+        shape = "RectangularPrism"
+        corner_radius_ratio = 0.2
+        [axes]
+        shape = ["Ellipsoid", "RectangularPrism"]
+        """
+    )
+    assert float(base.block.corner_radius_ratio) == 0.2
+    assert len(axes["shape"]) == 2
+
+
 def test_a_file_that_is_no_netcdf_is_refused(tmp_path):
     path = tmp_path / "noise.nc"
     path.write_bytes(b"CDF\x02 noise, not a dataset")
