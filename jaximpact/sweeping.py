@@ -37,6 +37,9 @@ from .io.toml import (
     typed,
     whole,
 )
+from .io.toml import (
+    quantity as read_quantity,
+)
 from .lazy.impacts import Chunks, lazy_grid
 from .progress import Progress, ProgressFunction, as_progress
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
@@ -372,7 +375,9 @@ def read_sweep_study(path: Path) -> tuple[Scene, Axes, str | None]:
     axes = {n: _axis(key[n], n, value, columns) for n, value in tables.items()}
     _check_said_once(key, content, axes)
     with top.located():
-        check_axes(axes, base, in_memory=False)  # which a store need not fit into
+        # A store need not fit into memory.
+        grid = check_axes(axes, base, in_memory=False)
+    _warn_of_unusual(key, grid, columns)
     return base, axes, accuracy
 
 
@@ -386,8 +391,27 @@ def _check_said_once(key: Key, content: dict, axes: Axes) -> None:
         for quantity in _quantities_of(name, of_axis):
             # The shape of the scene says which parameters it may give values to.
             if quantity in places and quantity != SHAPE:
-                where = key[name] if quantity == name else key[name][quantity]
+                where = _key_of(key, name, quantity)
                 raise where.error(f"stands {places[quantity]} too; remove one")
+
+
+def _warn_of_unusual(
+    key: Key, grid: list[_Axis], columns: Mapping[str, InputColumn]
+) -> None:
+    """Warn of the first unusual value of each quantity."""
+    for axis in grid:
+        for name, values in axis.values.items():
+            if name == SHAPE:
+                continue
+            unusual = values[columns[name].is_unusual(values)]
+            if unusual.size:
+                where = _key_of(key, axis.name, name)
+                read_quantity(where, columns[name], float(unusual[0]))
+
+
+def _key_of(key: Key, axis: str, name: str) -> Key:
+    """Return the key of a quantity that varies along an axis."""
+    return key[axis] if axis == name else key[axis][name]
 
 
 def _with_shapes(key: Key, axes: dict) -> dict:

@@ -21,7 +21,7 @@ from jaximpact import (
     sweep,
     write_netcdf,
 )
-from jaximpact.errors import InputError
+from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.parametric_sets import GROUNDS, PARAMETRIC_SETS
 from jaximpact.shapes import EllipticCylinder
 from jaximpact.sweeping import read_sweep_study
@@ -240,6 +240,23 @@ def test_a_study_file_gives_base_and_axes(study):
 def test_a_study_says_a_quantity_once(study, text, message):
     with pytest.raises(InputError, match=message):
         study(text)
+
+
+def test_an_unusual_value_of_an_axis_is_told_by_file_key_and_unit(study):
+    with pytest.warns(UnusualValueWarning) as caught:
+        study(
+            """
+            [axes]
+            friction_angle_deg = [30, 0.4, 0.52]
+            [axes.ground]
+            name = ["soft", "hard"]
+            k_E = [0.1, 900]
+            """
+        )
+    angle, modulus = (str(warning.message) for warning in caught)
+    assert "study.toml, key axes.friction_angle_deg: is 0.4 deg; usual" in angle
+    assert "rad? 0.4 rad is 22.92 deg" in angle
+    assert "key axes.ground.k_E: is 0.1; usual" in modulus
 
 
 def test_the_shape_of_a_study_says_which_parameters_it_has(study):
