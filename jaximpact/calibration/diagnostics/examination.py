@@ -349,7 +349,17 @@ def doubtful_units(study: Study) -> list[str]:
         exact = study.exact[:, study.targets.index(name)]
         forces = study.tests.measured[name] / weight
         largest = np.max(forces, where=exact, initial=-np.inf)
-        if np.any(exact) and largest < LEAST_FORCE:
+        least = np.min(forces, where=exact, initial=np.inf)
+        if not np.any(exact) or largest >= LEAST_FORCE:
+            continue
+        if least < -LEAST_FORCE:
+            lines.append(
+                f"No measurement of {name} is above {LEAST_FORCE:g} times the weight "
+                f"of the block, which would not stop it, but one is {least:.3g} times: "
+                "a force that pushes the block out of the ground is positive; is the "
+                "sign another?"
+            )
+        else:
             lines.append(
                 f"No measurement of {name} is above {largest:.3g} times the weight of "
                 "the block, which would not stop it, and they are read as newtons: are "
