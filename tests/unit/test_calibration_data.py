@@ -5,7 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from calibration_studies import fitted, objective_of, study_of_columns
+from calibration_studies import (
+    fitted,
+    objective_of,
+    study_of_columns,
+    write_study_of,
+)
 from scipy.integrate import quad
 from scipy.stats import norm
 
@@ -200,6 +205,27 @@ def test_a_point_of_a_curve_needs_its_time(tmp_path):
     (tmp_path / "tests.csv").write_text("force_curve,speed_mps\na.csv,5\n")
     with pytest.raises(InputError, match=r"a\.csv, row 3, column time_s: is empty"):
         read_study(tmp_path / "tests.csv")
+
+
+def test_what_stands_in_tables_and_curves_twice_is_told(tmp_path):
+    """A repeated test has its curve again, of which nothing is said."""
+    curve = "time_s,normal_force_N\n0.01,3e4\n0.02,0\n0.02,0\n0.03,0\n"
+    (tmp_path / "curve.csv").write_text(curve)
+    (tmp_path / "once.csv").write_text(curve.replace("0.02,0\n0.02,0", "0.02,0"))
+
+    def told(*curves):
+        rows = [["a", 100.0, name] for name in curves]
+        columns = ["name", "mass_kg", "force_curve"]
+        study = write_study_of(tmp_path, 'data = "tests.csv"', columns, rows)
+        return read_study(study).tests.repeated_in_words()
+
+    twice = "If they stand there twice by mistake, standard errors are too small."
+    assert told("once.csv") == []
+    of_curve = "Points of curves that are the same as another: 1, the first of them"
+    assert told("curve.csv") == [f"{of_curve} at 0.02 s in curve.csv. {twice}"]
+    of_test = "Tests that are the same as another in every column: 2, the first of them"
+    assert told(*["once.csv"] * 3) == [f"{of_test} row 3 as row 2. {twice}"]
+    assert len(told("curve.csv", "curve.csv")) == 2
 
 
 def test_the_middle_of_the_tests_has_a_curve_once(tmp_path):

@@ -237,14 +237,7 @@ def limits_alone(study: Study) -> np.ndarray:
 def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
     """Warn of a misfit above or far below the given sigmas, of few tests, and of tests
     that count twice."""
-    uncertainty, lines = variant.uncertainty, []
-    if repeated := study.tests.repeated:
-        one, other = map(study.tests.place, repeated[0])
-        lines.append(
-            f"{len(repeated)} tests are the same as another in every column, the first "
-            f"of them row {other[1]} of {other[0].name} as row {one[1]}: if they stand "
-            "there twice by mistake, standard errors are too small."
-        )
+    uncertainty, lines = variant.uncertainty, study.tests.repeated_in_words()
     if uncertainty.inflation > 1.0:
         lines.append(
             "The misfit is larger than the given sigmas allow. Standard errors are "

@@ -124,6 +124,31 @@ class Measurements:
         ]
         return [(one, test) for test, one in enumerate(same) if one != test]
 
+    def repeated_in_words(self) -> list[str]:
+        """Say which tests, and which points of curves, stand there twice."""
+        pairs, row = self.repeated, self.first_of_row
+        tests = [pair for pair in pairs if row[pair[1]] == pair[1]]
+        # A repeated test has its curve again.
+        points = [pair for pair in pairs if (row[pair[0]], row[pair[1]]) not in tests]
+        lines = []
+        if tests:
+            one, other = map(self._row_of, tests[0])
+            lines.append(
+                f"Tests that are the same as another in every column: {len(tests)}, "
+                f"the first of them {other} as {one}."
+            )
+        if points:
+            point = points[0][1]
+            lines.append(
+                f"Points of curves that are the same as another: {len(points)}, the "
+                f"first of them at {self.times[point]:.4g} s in "
+                f"{self.labels[CURVE_FILE][point]}."
+            )
+        mistaken = (
+            " If they stand there twice by mistake, standard errors are too small."
+        )
+        return [line + mistaken for line in lines]
+
     @property
     def times(self) -> np.ndarray:
         """Time of the forces of each test [s], shape (tests,); NaN without one."""
