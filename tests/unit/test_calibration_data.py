@@ -27,6 +27,7 @@ from jaximpact.calibration.problem.noise import (
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
 from jaximpact.calibration.report.contents import _fixed_quantities, about
+from jaximpact.calibration.report.files import fitted_table
 from jaximpact.errors import InputError
 
 U = np.linspace(-6.0, 6.0, 25)
@@ -150,15 +151,40 @@ def test_campaigns_are_joined(tmp_path):
     np.testing.assert_array_equal(joined.censored[2:], [[0, 1], [-1, 0]])
 
 
-def test_files_of_one_name_are_campaigns_of_their_own(tmp_path):
+def test_files_of_one_name_are_told_apart(tmp_path):
     for folder, text in (("2019", "100,0.1\n400,0.2\n"), ("2023", "300,0.3\n")):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "tests.csv").write_text("mass_kg,e_n\n" + text)
     path = tmp_path / "study.toml"
     path.write_text('data = ["2019/tests.csv", "2023/tests.csv"]\n')
-    tests = read_study(path).tests
+    study = read_study(path)
+    tests = study.tests
     assert tests.labels["campaign"] == ["2019/tests"] * 2 + ["2023/tests"]
+    assert tests.described == "3 tests of 2019/tests.csv, 2023/tests.csv"
+    names = ["2019/tests.csv", "2023/tests.csv"]
+    assert [name for name, _ in tests.checksums] == names
+    numbers = np.zeros(study.measured.shape)
+    variant = SimpleNamespace(
+        variant=study.variants[0], sigma=numbers, predicted=numbers
+    )
+    bands = SimpleNamespace(
+        **dict.fromkeys(("low", "high", "measured_low", "measured_high"), numbers)
+    )
+    found = SimpleNamespace(
+        each=None, bands=bands, residuals=SimpleNamespace(values=numbers)
+    )
+    result = SimpleNamespace(study=study, variants=[variant])
+    fitted_rows = fitted_table(result, [found]).frame()
+    assert fitted_rows.file.tolist() == [names[0], names[0], names[1]]
     assert tests.name(2) == "2023/tests row 2"
+
+
+def test_files_that_differ_in_their_suffix_are_campaigns_of_their_own(tmp_path):
+    for name in ("2019.csv", "2019.txt"):
+        (tmp_path / name).write_text("mass_kg,e_n\n100,0.1\n")
+    path = tmp_path / "study.toml"
+    path.write_text('data = ["2019.csv", "2019.txt"]\n')
+    assert read_study(path).tests.labels["campaign"] == ["2019.csv", "2019.txt"]
 
 
 def test_a_nuisance_of_each_test_has_a_name_of_its_own():

@@ -328,7 +328,7 @@ def origin_table(result: StudyResult) -> Table:
         laws |= {f"{slot} of {variant.name}": v for slot, v in variant.laws.items()}
     rows = [
         ("study", study.path.name),
-        *((t.path.name, f"sha256 {t.sha256}") for t in study.tests.sources),
+        *((name, f"sha256 {sha256}") for name, sha256 in study.tests.checksums),
         *((slot, name_of(type(law))) for slot, law in laws.items()),
         ("method", study.method),
         ("loss", study.loss),

@@ -398,8 +398,8 @@ def as_json(prediction: PredictedTests) -> dict:
         "shapes_not_fitted": prediction.new_shapes,
         "manifest": {
             "tests": [
-                {"file": table.path.name, "sha256": table.sha256}
-                for table in prediction.tests.sources
+                {"file": name, "sha256": sha256}
+                for name, sha256 in prediction.tests.checksums
             ],
             "draws": len(prediction.ground.variants[0].draws),
             "seed": prediction.ground.seed,
