@@ -17,6 +17,7 @@ from scipy.stats import norm
 from jaximpact import Soil
 from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.compare_laws import StackedPrediction
 from jaximpact.calibration.diagnostics.further_tests import _common
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.problem.noise import (
@@ -26,8 +27,13 @@ from jaximpact.calibration.problem.noise import (
     true_curvature,
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
-from jaximpact.calibration.report.contents import _fixed_quantities, about
+from jaximpact.calibration.report.contents import (
+    _fixed_quantities,
+    about,
+    left_out_table,
+)
 from jaximpact.calibration.report.files import fitted_table
+from jaximpact.calibration.report.prediction import _test_table
 from jaximpact.errors import InputError
 
 U = np.linspace(-6.0, 6.0, 25)
@@ -177,6 +183,34 @@ def test_files_of_one_name_are_told_apart(tmp_path):
     fitted_rows = fitted_table(result, [found]).frame()
     assert fitted_rows.file.tolist() == [names[0], names[0], names[1]]
     assert tests.name(2) == "2023/tests row 2"
+
+
+def test_tests_of_one_name_are_told_apart_in_tables():
+    """Each in a line of its own, also where its name has several."""
+    tests = {"name": ["007", "two\nlines", "007"], "e_n": [0.1, 0.2, 0.3]}
+    known, numbers = study_of_columns(tests), np.ones((3, 1))
+    left = SimpleNamespace(
+        predicted=numbers, deviation=numbers, standardised=lambda measured: numbers
+    )
+    stacked = StackedPrediction(
+        *(known.tests, known.targets, (), numbers), *[numbers] * 3
+    )
+    of_target = dict(measured=numbers, censored=np.zeros((3, 1)), targets=("e_n",))
+    prediction = SimpleNamespace(tests=known.tests, **of_target)
+    variant = SimpleNamespace(
+        middle=numbers, low_95=numbers, high_95=numbers, outcomes=["detached"] * 3
+    )
+    for text in (
+        left_out_table(known, left, "test").text(),
+        _test_table(prediction, variant).text(),
+        str(stacked).partition("\n")[2],
+    ):
+        rows = text.splitlines()[1:4]
+        # The second row takes two lines of the file.
+        names = ("007 (row 2)", "two lines", "007 (row 5)")
+        for row, name in zip(rows, names, strict=True):
+            assert row.startswith(f"  {name}  ")
+    assert stacked.to_dataframe().test[0] == "007 (row 2)"
 
 
 def test_files_that_differ_in_their_suffix_are_campaigns_of_their_own(tmp_path):

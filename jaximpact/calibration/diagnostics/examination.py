@@ -323,7 +323,7 @@ def doubtful_units(study: Study) -> list[str]:
     e_n = by_name.get("e_n", np.zeros(1))
     above = np.flatnonzero(e_n > 1.0)
     if len(above) and not _median(e_n) > 2.0:
-        names = ", ".join(study.tests.name(test) for test in above[:MOST_NAMED])
+        names = ", ".join(study.tests.names_apart(above[:MOST_NAMED]))
         more = f" and {len(above) - MOST_NAMED} more" * (len(above) > MOST_NAMED)
         lines.append(
             f"e_n is above 1 in {names}{more}: only an elongated or a spinning block "

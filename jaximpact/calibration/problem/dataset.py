@@ -77,13 +77,16 @@ class Measurements:
         time = self.times[test]
         at = f" at {time:.4g} s" if np.isfinite(time) else ""
         for column in ("name", "test", "id"):
-            if self.labels.get(column, [""] * (test + 1))[test]:
-                return self.labels[column][test] + at
+            labels = self.labels.get(column)
+            if labels and labels[test]:
+                return labels[test] + at
         return self._row_of(test) + at
 
-    def names_apart(self, tests: Iterable[int]) -> tuple[str, ...]:
-        """Return the names of tests, with file and row where two have one name."""
-        names = {test: self.name(test) for test in tests}
+    def names_apart(self, tests: Iterable[int] | None = None) -> tuple[str, ...]:
+        """Return the names of tests, by default of all, with file and row where two
+        have one name."""
+        chosen = range(len(self)) if tests is None else tests
+        names = {test: self.name(test) for test in chosen}
         count = collections.Counter(names.values())
         return tuple(
             f"{name} ({self._row_of(test)})" if count[name] > 1 else name

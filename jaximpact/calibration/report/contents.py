@@ -268,9 +268,10 @@ def left_out_table(study: Study, left: LeftOut, what: str) -> Table | None:
 
 def _worst(study: Study, left: LeftOut, values: np.ndarray) -> Table:
     order = np.argsort(-np.abs(np.nan_to_num(values)), axis=None)[:12]
+    names = study.tests.names_apart()
     rows = [
         (
-            study.tests.name(int(test)),
+            names[test],
             study.targets[target],
             study.measured[test, target],
             left.predicted[test, target],
