@@ -9,6 +9,7 @@ import dataclasses
 import hashlib
 import io
 import itertools
+import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -20,6 +21,7 @@ from .._settings import collector_paused
 from ..errors import InputError, UnusualValueWarning, located
 from ..parameters import Part
 from ..quantities import (
+    CURVE_FILE,
     LABEL_COLUMNS,
     OUTCOME_COLUMN,
     SIGMA_PREFIX,
@@ -53,6 +55,8 @@ SLICE_ROWS = 2_000
 NOT_MEASURED = ("", "nan", "na", "n/a")
 """Cells of results that were not measured, in small letters."""
 SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
+WITH_POINT = re.compile(r"[+-]?[0-9]+\.0")
+"""Whole number as of a column of floats."""
 LIMITS = {">": 1, "<": -1}
 """Signs of a measured value of which only a limit is known -> where the true value
 lies."""
@@ -78,7 +82,7 @@ class SceneTable:
     """Each measured column of a table of tests, shape (rows,): 1 in rows where the true
     value is said to be above the number (`>0.3`), -1 where below (`<0.1`), else 0."""
     labels: dict[str, list[str]]
-    """Each column of free text of a table of tests."""
+    """Each column of free text of a table of tests; whole numbers without a point."""
     base: Scene
     """The laws, the shape of each row, and what stands for a missing column."""
     beside: tuple["SceneTable", ...] = ()
@@ -196,9 +200,21 @@ def _table_of(data: bytes, path: Path, measured: bool, base: Scene) -> SceneTabl
         numbers={name: np.concatenate(pieces) for name, pieces in parts.items()},
         lines=np.concatenate(starts),
         censored={name: np.concatenate(pieces) for name, pieces in signs.items()},
-        labels=labels,
+        labels={
+            name: texts if name == CURVE_FILE else _whole_numbers(texts)
+            for name, texts in labels.items()
+        },
         base=base,
     )
+
+
+def _whole_numbers(texts: list[str]) -> list[str]:
+    """Write labels that are all whole numbers with a point, as programs write a column
+    with an empty cell, without it: 1.0 is the campaign 1 of another table. Others, as
+    1.1 beside 1.10, are texts."""
+    if all(WITH_POINT.fullmatch(text) for text in texts if text):
+        return [text.removesuffix(".0") for text in texts]
+    return texts
 
 
 # --- Records and header.

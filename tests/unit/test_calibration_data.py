@@ -185,6 +185,23 @@ def test_files_of_one_name_are_told_apart(tmp_path):
     assert tests.name(2) == "2023/tests row 2"
 
 
+def test_whole_numbers_with_and_without_a_point_are_one_group(tmp_path):
+    """As programs write a column of numbers that has an empty cell; those of other
+    digits, and names, stay as they are."""
+    (tmp_path / "a.csv").write_text("campaign,id,e_n\n1,007,0.1\n2,7,0.2\n")
+    (tmp_path / "b.csv").write_text("campaign,id,e_n\n1.0,1.1,0.3\n2.0,1.10,0.3\n")
+    (tmp_path / "c.csv").write_text("campaign,id,e_n\n1.0,1.0,0.3\n,1.5,0.3\n")
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'data = ["a.csv", "b.csv", "c.csv"]\n[nuisance.slope_deg]\n'
+        'by = "campaign"\nprior = { mean = 25.0, sd = 10.0 }\n'
+    )
+    study = read_study(path)
+    assert study.nuisances[0].groups == ("1", "2", "c")
+    assert study.nuisances[0].group.tolist() == [0, 1, 0, 1, 0, 2]
+    assert study.tests.labels["id"] == ["007", "7", "1.1", "1.10", "1.0", "1.5"]
+
+
 def test_tests_of_one_name_are_told_apart_in_tables():
     """Each in a line of its own, also where its name has several."""
     tests = {"name": ["007", "two\nlines", "007"], "e_n": [0.1, 0.2, 0.3]}
