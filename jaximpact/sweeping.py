@@ -37,11 +37,14 @@ from .io.toml import (
     typed,
     whole,
 )
+from .io.toml import (
+    quantity as read_quantity,
+)
 from .lazy.impacts import Chunks, lazy_grid
 from .progress import Progress, ProgressFunction, as_progress
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
 from .result import ImpactResult
-from .scene import Scene, SceneLike, as_scene
+from .scene import PARTS, Scene, SceneLike, as_scene
 from .scene_quantities import (
     SHAPE,
     scene_values,
@@ -355,7 +358,7 @@ def read_sweep_study(path: Path) -> tuple[Scene, Axes, str | None]:
     An axis is a list of numbers, or a range `{from = 1, to = 4, count = 7}` that holds
     both ends, with `spacing = "logarithmic"` if wanted; `shape` is a list of names of
     shapes. A table of axes inside it, `[axes.ground]`, holds quantities that vary
-    together, and `name` for labels.
+    together, and `name` for labels. What varies has no value in the scene.
 
     Returns base, axes, and the name of the accuracy, None where the file has none.
     Raises InputError, naming file and key, for whatever cannot be used.
@@ -370,9 +373,45 @@ def read_sweep_study(path: Path) -> tuple[Scene, Axes, str | None]:
     with top.located():
         columns = columns_of_axes(tables, base)
     axes = {n: _axis(key[n], n, value, columns) for n, value in tables.items()}
+    _check_said_once(key, content, axes)
     with top.located():
-        check_axes(axes, base, in_memory=False)  # which a store need not fit into
+        # A store need not fit into memory.
+        grid = check_axes(axes, base, in_memory=False)
+    _warn_of_unusual(key, grid, columns)
     return base, axes, accuracy
+
+
+def _check_said_once(key: Key, content: dict, axes: Axes) -> None:
+    """Raise InputError for a quantity that varies and has a value of the scene too,
+    which would count for nothing."""
+    places = dict.fromkeys(content, "before all tables")
+    for part in PARTS:
+        places |= dict.fromkeys(content.get(part, ()), f"in [{part}]")
+    for name, of_axis in axes.items():
+        for quantity in _quantities_of(name, of_axis):
+            # The shape of the scene says which parameters it may give values to.
+            if quantity in places and quantity != SHAPE:
+                where = _key_of(key, name, quantity)
+                raise where.error(f"stands {places[quantity]} too; remove one")
+
+
+def _warn_of_unusual(
+    key: Key, grid: list[_Axis], columns: Mapping[str, InputColumn]
+) -> None:
+    """Warn of the first unusual value of each quantity."""
+    for axis in grid:
+        for name, values in axis.values.items():
+            if name == SHAPE:
+                continue
+            unusual = values[columns[name].is_unusual(values)]
+            if unusual.size:
+                where = _key_of(key, axis.name, name)
+                read_quantity(where, columns[name], float(unusual[0]))
+
+
+def _key_of(key: Key, axis: str, name: str) -> Key:
+    """Return the key of a quantity that varies along an axis."""
+    return key[axis] if axis == name else key[axis][name]
 
 
 def _with_shapes(key: Key, axes: dict) -> dict:

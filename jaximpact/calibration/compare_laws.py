@@ -64,13 +64,13 @@ class StackedPrediction(NamedTuple):
 
     def __str__(self) -> str:
         rows = []
-        for test in range(len(self.tests)):
+        for test, name in enumerate(self.tests.names_apart()):
             cells = (
                 f"{self.middle[test, target]:.3g} ({self.low[test, target]:.3g} to "
                 f"{self.high[test, target]:.3g})"
                 for target in range(len(self.targets))
             )
-            rows.append((self.tests.name(test), *cells))
+            rows.append((name, *cells))
         table = Table(("test", *self.targets), rows)
         missing = self.tests.missing_in_words()
         lines = ["Stacked prediction: median (95 %)", table.text(), missing]
@@ -84,15 +84,15 @@ class StackedPrediction(NamedTuple):
 
         rows = [
             {
-                "test": self.tests.name(test),
-                "target": name,
+                "test": name,
+                "target": self.targets[target],
                 "predicted": self.middle[test, target],
                 "low_95": self.low[test, target],
                 "high_95": self.high[test, target],
             }
             | {law.name: law.best[test, target] for law in self.laws}
-            for test in range(len(self.tests))
-            for target, name in enumerate(self.targets)
+            for test, name in enumerate(self.tests.names_apart())
+            for target in range(len(self.targets))
         ]
         return pd.DataFrame(rows)
 

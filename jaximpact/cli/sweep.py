@@ -21,9 +21,10 @@ DESCRIPTION = """\
 Compute impacts over a grid of quantities and write them to a NetCDF file.
 
 The study is a TOML file: a scene, as `jaximpact simulate` takes it, and a table [axes]
-with a list or a range for each quantity that varies. Every combination is computed;
-quantities that are to vary together stand in a table of their own inside [axes]. Those
-of the scene's own laws and shapes can vary too, and `shape` takes names of shapes.
+with a list or a range for each quantity that varies, which the scene then gives no
+value. Every combination is computed; quantities that are to vary together stand in a
+table of their own inside [axes]. Those of the scene's own laws and shapes can vary too,
+and `shape` takes names of shapes.
 
     [impact]
     speed_mps = 14

@@ -21,6 +21,7 @@ from .._settings import collector_paused
 from ..errors import InputError, UnusualValueWarning, located
 from ..parameters import Part
 from ..quantities import (
+    CURVE_FILE,
     LABEL_COLUMNS,
     OUTCOME_COLUMN,
     SIGMA_PREFIX,
@@ -56,6 +57,8 @@ NOT_MEASURED = ("", "nan", "na", "n/a")
 SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
 THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+(\.[0-9]*)?")
 """A number with commas between its thousands."""
+WITH_POINT = re.compile(r"[+-]?[0-9]+\.0")
+"""Whole number as of a column of floats."""
 LIMITS = {">": 1, "<": -1}
 """Signs of a measured value of which only a limit is known -> where the true value
 lies."""
@@ -81,7 +84,7 @@ class SceneTable:
     """Each measured column of a table of tests, shape (rows,): 1 in rows where the true
     value is said to be above the number (`>0.3`), -1 where below (`<0.1`), else 0."""
     labels: dict[str, list[str]]
-    """Each column of free text of a table of tests."""
+    """Each column of free text of a table of tests; whole numbers without a point."""
     base: Scene
     """The laws, the shape of each row, and what stands for a missing column."""
     beside: tuple["SceneTable", ...] = ()
@@ -199,9 +202,21 @@ def _table_of(data: bytes, path: Path, measured: bool, base: Scene) -> SceneTabl
         numbers={name: np.concatenate(pieces) for name, pieces in parts.items()},
         lines=np.concatenate(starts),
         censored={name: np.concatenate(pieces) for name, pieces in signs.items()},
-        labels=labels,
+        labels={
+            name: texts if name == CURVE_FILE else _whole_numbers(texts)
+            for name, texts in labels.items()
+        },
         base=base,
     )
+
+
+def _whole_numbers(texts: list[str]) -> list[str]:
+    """Write labels that are all whole numbers with a point, as programs write a column
+    with an empty cell, without it: 1.0 is the campaign 1 of another table. Others, as
+    1.1 beside 1.10, are texts."""
+    if all(WITH_POINT.fullmatch(text) for text in texts if text):
+        return [text.removesuffix(".0") for text in texts]
+    return texts
 
 
 # --- Records and header.

@@ -56,10 +56,12 @@ class Table(NamedTuple):
 
 
 def cell_text(value: object) -> str:
-    """Write the cell of a table."""
+    """Write the cell of a table, in one line."""
     if value is None:
         return "-"
-    return number_text(value) if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return number_text(value)
+    return " ".join(str(value).splitlines())
 
 
 def number_text(value: float) -> str:

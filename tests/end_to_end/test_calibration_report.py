@@ -107,7 +107,7 @@ def test_the_page_says_what_is_not_determined(page):
     rows = re.findall(r"<tr><td[^>]*>alpha_s</td>(.*?)</tr>", page)
     parameters, _, _ = rows  # and the intervals and the correlation
     assert "not identifiable" in parameters
-    assert "all values between the bounds" in parameters
+    assert "no end within the bounds" in parameters
     assert "%)" not in parameters
 
 

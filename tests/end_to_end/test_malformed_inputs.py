@@ -485,6 +485,13 @@ def test_unusual_values_are_warned_of_once(scene, said):
             "s.csv, row 3, column friction_angle_deg: is 0.5236 deg and 1 more rows; "
             "usual are 2 to 60 deg; rad? 0.5236 rad is 30 deg",
         ),
+        (
+            "sweep",
+            "s.toml",
+            "[axes]\nfriction_angle_deg = [0.4, 0.52]",
+            "s.toml, key axes.friction_angle_deg: is 0.4 deg; usual are 2 to 60 deg; "
+            "rad? 0.4 rad is 22.92 deg",
+        ),
     ],
 )
 def test_commands_warn_of_unusual_values_in_one_line(

@@ -5,13 +5,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from calibration_studies import fitted, objective_of, study_of_columns
+from calibration_studies import (
+    fitted,
+    objective_of,
+    study_of_columns,
+    write_study_of,
+)
 from scipy.integrate import quad
 from scipy.stats import norm
 
 from jaximpact import Soil
 from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.compare_laws import StackedPrediction
 from jaximpact.calibration.diagnostics.further_tests import _common
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.problem.noise import (
@@ -21,7 +27,13 @@ from jaximpact.calibration.problem.noise import (
     true_curvature,
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
-from jaximpact.calibration.report.contents import _fixed_quantities, about
+from jaximpact.calibration.report.contents import (
+    _fixed_quantities,
+    about,
+    left_out_table,
+)
+from jaximpact.calibration.report.files import fitted_table
+from jaximpact.calibration.report.prediction import _test_table
 from jaximpact.errors import InputError
 
 U = np.linspace(-6.0, 6.0, 25)
@@ -145,15 +157,85 @@ def test_campaigns_are_joined(tmp_path):
     np.testing.assert_array_equal(joined.censored[2:], [[0, 1], [-1, 0]])
 
 
-def test_files_of_one_name_are_campaigns_of_their_own(tmp_path):
+def test_files_of_one_name_are_told_apart(tmp_path):
     for folder, text in (("2019", "100,0.1\n400,0.2\n"), ("2023", "300,0.3\n")):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "tests.csv").write_text("mass_kg,e_n\n" + text)
     path = tmp_path / "study.toml"
     path.write_text('data = ["2019/tests.csv", "2023/tests.csv"]\n')
-    tests = read_study(path).tests
+    study = read_study(path)
+    tests = study.tests
     assert tests.labels["campaign"] == ["2019/tests"] * 2 + ["2023/tests"]
+    assert tests.described == "3 tests of 2019/tests.csv, 2023/tests.csv"
+    names = ["2019/tests.csv", "2023/tests.csv"]
+    assert [name for name, _ in tests.checksums] == names
+    numbers = np.zeros(study.measured.shape)
+    variant = SimpleNamespace(
+        variant=study.variants[0], sigma=numbers, predicted=numbers
+    )
+    bands = SimpleNamespace(
+        **dict.fromkeys(("low", "high", "measured_low", "measured_high"), numbers)
+    )
+    found = SimpleNamespace(
+        each=None, bands=bands, residuals=SimpleNamespace(values=numbers)
+    )
+    result = SimpleNamespace(study=study, variants=[variant])
+    fitted_rows = fitted_table(result, [found]).frame()
+    assert fitted_rows.file.tolist() == [names[0], names[0], names[1]]
     assert tests.name(2) == "2023/tests row 2"
+
+
+def test_whole_numbers_with_and_without_a_point_are_one_group(tmp_path):
+    """As programs write a column of numbers that has an empty cell; those of other
+    digits, and names, stay as they are."""
+    (tmp_path / "a.csv").write_text("campaign,id,e_n\n1,007,0.1\n2,7,0.2\n")
+    (tmp_path / "b.csv").write_text("campaign,id,e_n\n1.0,1.1,0.3\n2.0,1.10,0.3\n")
+    (tmp_path / "c.csv").write_text("campaign,id,e_n\n1.0,1.0,0.3\n,1.5,0.3\n")
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'data = ["a.csv", "b.csv", "c.csv"]\n[nuisance.slope_deg]\n'
+        'by = "campaign"\nprior = { mean = 25.0, sd = 10.0 }\n'
+    )
+    study = read_study(path)
+    assert study.nuisances[0].groups == ("1", "2", "c")
+    assert study.nuisances[0].group.tolist() == [0, 1, 0, 1, 0, 2]
+    assert study.tests.labels["id"] == ["007", "7", "1.1", "1.10", "1.0", "1.5"]
+
+
+def test_tests_of_one_name_are_told_apart_in_tables():
+    """Each in a line of its own, also where its name has several."""
+    tests = {"name": ["007", "two\nlines", "007"], "e_n": [0.1, 0.2, 0.3]}
+    known, numbers = study_of_columns(tests), np.ones((3, 1))
+    left = SimpleNamespace(
+        predicted=numbers, deviation=numbers, standardised=lambda measured: numbers
+    )
+    stacked = StackedPrediction(
+        *(known.tests, known.targets, (), numbers), *[numbers] * 3
+    )
+    of_target = dict(measured=numbers, censored=np.zeros((3, 1)), targets=("e_n",))
+    prediction = SimpleNamespace(tests=known.tests, **of_target)
+    variant = SimpleNamespace(
+        middle=numbers, low_95=numbers, high_95=numbers, outcomes=["detached"] * 3
+    )
+    for text in (
+        left_out_table(known, left, "test").text(),
+        _test_table(prediction, variant).text(),
+        str(stacked).partition("\n")[2],
+    ):
+        rows = text.splitlines()[1:4]
+        # The second row takes two lines of the file.
+        names = ("007 (row 2)", "two lines", "007 (row 5)")
+        for row, name in zip(rows, names, strict=True):
+            assert row.startswith(f"  {name}  ")
+    assert stacked.to_dataframe().test[0] == "007 (row 2)"
+
+
+def test_files_that_differ_in_their_suffix_are_campaigns_of_their_own(tmp_path):
+    for name in ("2019.csv", "2019.txt"):
+        (tmp_path / name).write_text("mass_kg,e_n\n100,0.1\n")
+    path = tmp_path / "study.toml"
+    path.write_text('data = ["2019.csv", "2019.txt"]\n')
+    assert read_study(path).tests.labels["campaign"] == ["2019.csv", "2019.txt"]
 
 
 def test_a_nuisance_of_each_test_has_a_name_of_its_own():
@@ -200,6 +282,27 @@ def test_a_point_of_a_curve_needs_its_time(tmp_path):
     (tmp_path / "tests.csv").write_text("force_curve,speed_mps\na.csv,5\n")
     with pytest.raises(InputError, match=r"a\.csv, row 3, column time_s: is empty"):
         read_study(tmp_path / "tests.csv")
+
+
+def test_what_stands_in_tables_and_curves_twice_is_told(tmp_path):
+    """A repeated test has its curve again, of which nothing is said."""
+    curve = "time_s,normal_force_N\n0.01,3e4\n0.02,0\n0.02,0\n0.03,0\n"
+    (tmp_path / "curve.csv").write_text(curve)
+    (tmp_path / "once.csv").write_text(curve.replace("0.02,0\n0.02,0", "0.02,0"))
+
+    def told(*curves):
+        rows = [["a", 100.0, name] for name in curves]
+        columns = ["name", "mass_kg", "force_curve"]
+        study = write_study_of(tmp_path, 'data = "tests.csv"', columns, rows)
+        return read_study(study).tests.repeated_in_words()
+
+    twice = "If they stand there twice by mistake, standard errors are too small."
+    assert told("once.csv") == []
+    of_curve = "Points of curves that are the same as another: 1, the first of them"
+    assert told("curve.csv") == [f"{of_curve} at 0.02 s in curve.csv. {twice}"]
+    of_test = "Tests that are the same as another in every column: 2, the first of them"
+    assert told(*["once.csv"] * 3) == [f"{of_test} row 3 as row 2. {twice}"]
+    assert len(told("curve.csv", "curve.csv")) == 2
 
 
 def test_the_middle_of_the_tests_has_a_curve_once(tmp_path):

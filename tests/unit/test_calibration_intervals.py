@@ -7,6 +7,7 @@ import pytest
 from calibration_studies import study_of_columns
 from scipy.stats import t as student
 
+from jaximpact.calibration.diagnostics.identifiability import _within, interval_text
 from jaximpact.calibration.diagnostics.uncertainty import (
     estimate,
     freedom_of_variances,
@@ -94,3 +95,11 @@ def test_degrees_of_freedom_of_scatter_that_differs_from_test_to_test():
     freedom = 2.0 * np.mean(variances, axis=0) ** 2 / np.var(variances, axis=0)
     found = freedom_of_variances(objective, point)
     np.testing.assert_allclose(found, freedom, rtol=0.02)
+
+
+def test_a_profile_without_ends_claims_no_values_between():
+    """It is low at both bounds, and high on either side of the best fit."""
+    x, rise = np.linspace(0.0, 1.0, 5), np.array([0.5, 9.0, 0.0, 9.0, 0.5])
+    assert interval_text(*_within(x, rise, 1.0)) == "no end within the bounds"
+    # A third of the way to the next point, where the root of the rise is 3.
+    assert interval_text(*_within(x[1:], rise[1:], 1.0)) == "above 0.417"

@@ -98,6 +98,12 @@ def test_times_in_milliseconds_and_forces_in_kilonewtons():
     (words,) = of_curve(1e-3 * times, 1e-3 * forces)
     assert "normal_force_N is above 0.0612 times the weight" in words
     assert "kilonewtons?" in words
+    # As a load cell has them, which is no matter of the unit, with noise too.
+    for offset in (0.0, 40.0):
+        (words,) = of_curve(1e-3 * times, offset - np.append(forces[:2], 0.0))
+        assert "but one is -61." in words
+        assert "is the sign another?" in words
+    assert "kilonewtons?" in of_curve(1e-3 * times, -1e-3 * forces)[0]
     (words,) = doubtful_units(study({"angle_deg": [9.0], "max_normal_force_N": [60]}))
     assert "max_normal_force_N is above 0.0612 times" in words
 

@@ -21,7 +21,7 @@ from jaximpact import (
     sweep,
     write_netcdf,
 )
-from jaximpact.errors import InputError
+from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.parametric_sets import GROUNDS, PARAMETRIC_SETS
 from jaximpact.shapes import EllipticCylinder
 from jaximpact.sweeping import read_sweep_study
@@ -222,6 +222,55 @@ def test_a_study_file_gives_base_and_axes(study):
     np.testing.assert_allclose(axes["angle_deg"], np.arange(10.0, 81.0, 10.0))
     np.testing.assert_allclose(axes["k_E"], [1e2, 1e3, 1e4])
     assert axes["ground"] == {"name": ["dense", "loose"], "c_v": [1.0, 0.5]}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "[impact]\nangle_deg = 5\n[axes]\nangle_deg = [10, 20]",
+            r"key axes\.angle_deg: stands in \[impact\] too; remove one",
+        ),
+        (
+            "angle_deg = 5\n[axes.g]\nname = ['a']\nangle_deg = [10]",
+            r"key axes\.g\.angle_deg: stands before all tables too; remove one",
+        ),
+    ],
+)
+def test_a_study_says_a_quantity_once(study, text, message):
+    with pytest.raises(InputError, match=message):
+        study(text)
+
+
+def test_an_unusual_value_of_an_axis_is_told_by_file_key_and_unit(study):
+    with pytest.warns(UnusualValueWarning) as caught:
+        study(
+            """
+            [axes]
+            friction_angle_deg = [30, 0.4, 0.52]
+            [axes.ground]
+            name = ["soft", "hard"]
+            k_E = [0.1, 900]
+            """
+        )
+    angle, modulus = (str(warning.message) for warning in caught)
+    assert "study.toml, key axes.friction_angle_deg: is 0.4 deg; usual" in angle
+    assert "rad? 0.4 rad is 22.92 deg" in angle
+    assert "key axes.ground.k_E: is 0.1; usual" in modulus
+
+
+def test_the_shape_of_a_study_says_which_parameters_it_has(study):
+    base, axes, _ = study(
+        """
+        [block]
+        shape = "RectangularPrism"
+        corner_radius_ratio = 0.2
+        [axes]
+        shape = ["Ellipsoid", "RectangularPrism"]
+        """
+    )
+    assert float(base.block.corner_radius_ratio) == 0.2
+    assert len(axes["shape"]) == 2
 
 
 def test_a_file_that_is_no_netcdf_is_refused(tmp_path):

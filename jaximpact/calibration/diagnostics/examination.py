@@ -237,14 +237,7 @@ def limits_alone(study: Study) -> np.ndarray:
 def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
     """Warn of a misfit above or far below the given sigmas, of few tests, and of tests
     that count twice."""
-    uncertainty, lines = variant.uncertainty, []
-    if repeated := study.tests.repeated:
-        one, other = map(study.tests.place, repeated[0])
-        lines.append(
-            f"{len(repeated)} tests are the same as another in every column, the first "
-            f"of them row {other[1]} of {other[0].name} as row {one[1]}: if they stand "
-            "there twice by mistake, standard errors are too small."
-        )
+    uncertainty, lines = variant.uncertainty, study.tests.repeated_in_words()
     if uncertainty.inflation > 1.0:
         lines.append(
             "The misfit is larger than the given sigmas allow. Standard errors are "
@@ -330,7 +323,7 @@ def doubtful_units(study: Study) -> list[str]:
     e_n = by_name.get("e_n", np.zeros(1))
     above = np.flatnonzero(e_n > 1.0)
     if len(above) and not _median(e_n) > 2.0:
-        names = ", ".join(study.tests.name(test) for test in above[:MOST_NAMED])
+        names = ", ".join(study.tests.names_apart(above[:MOST_NAMED]))
         more = f" and {len(above) - MOST_NAMED} more" * (len(above) > MOST_NAMED)
         lines.append(
             f"e_n is above 1 in {names}{more}: only an elongated or a spinning block "
@@ -349,7 +342,17 @@ def doubtful_units(study: Study) -> list[str]:
         exact = study.exact[:, study.targets.index(name)]
         forces = study.tests.measured[name] / weight
         largest = np.max(forces, where=exact, initial=-np.inf)
-        if np.any(exact) and largest < LEAST_FORCE:
+        least = np.min(forces, where=exact, initial=np.inf)
+        if not np.any(exact) or largest >= LEAST_FORCE:
+            continue
+        if least < -LEAST_FORCE:
+            lines.append(
+                f"No measurement of {name} is above {LEAST_FORCE:g} times the weight "
+                f"of the block, which would not stop it, but one is {least:.3g} times: "
+                "a force that pushes the block out of the ground is positive; is the "
+                "sign another?"
+            )
+        else:
             lines.append(
                 f"No measurement of {name} is above {largest:.3g} times the weight of "
                 "the block, which would not stop it, and they are read as newtons: are "

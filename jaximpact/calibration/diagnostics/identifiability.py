@@ -284,9 +284,10 @@ class Verdict(NamedTuple):
 
 
 def interval_text(low: float | None, high: float | None) -> str:
-    """Write a profile-likelihood interval in words; None stands for a bound."""
+    """Write a profile-likelihood interval in words; None stands for a bound. Values
+    between may be excluded."""
     if low is None and high is None:
-        return "all values between the bounds"
+        return "no end within the bounds"
     if low is None:
         return f"below {high:.3g}"
     return f"above {low:.3g}" if high is None else f"{low:.3g} to {high:.3g}"

@@ -108,12 +108,10 @@ def in_words(variant: VariantResult, each: LeftOut | None) -> list[str]:
     if not len(near):
         return []
     names = []
-    for test in near[np.argsort(-largest[near], kind="stable")][:MOST_NAMED]:
+    named = near[np.argsort(-largest[near], kind="stable")][:MOST_NAMED]
+    for test, name in zip(named, study.tests.names_apart(named), strict=True):
         jumping = [study.targets[place] for place in np.flatnonzero(share[test] > NEAR)]
-        text = (
-            f"{study.tests.name(test)} ({', '.join(jumping)}: "
-            f"{100 * largest[test]:.0f} % beyond it"
-        )
+        text = f"{name} ({', '.join(jumping)}: {100 * largest[test]:.0f} % beyond it"
         moved = _moved(each, int(test))
         if np.isfinite(moved):
             text += f"; without the test the fit moves by {moved:.2g} standard errors"

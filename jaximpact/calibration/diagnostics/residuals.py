@@ -243,10 +243,11 @@ def in_words(residuals: Residuals, objective: Objective) -> list[str]:
             "No significant trend with the prediction or with any input that varies."
         )
     large = np.abs(np.nan_to_num(residuals.values)) > 3.0
+    names = study.tests.names_apart() if np.any(large) else ()
     for test, place in zip(*np.nonzero(large), strict=True):
         value = residuals.values[test, place]
         lines.append(
-            f"{study.targets[place]} of {study.tests.name(test)} lies {abs(value):.2g} "
+            f"{study.targets[place]} of {names[test]} lies {abs(value):.2g} "
             f"standard deviations {'above' if value > 0.0 else 'below'} the fit."
         )
     return lines

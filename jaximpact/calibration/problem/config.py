@@ -364,13 +364,13 @@ def _check_in_all(top, parameters, nuisances, variants, grounds) -> None:
 def _check_in_study_alone(key: Key, tests: Measurements, name: str) -> None:
     """Raise InputError for a value in both the study and the tests' tables."""
     if name in tests.inputs or name in tests.slots:
-        data = " or ".join(table.path.name for table in tests.files)
+        data = " or ".join(tests.file_names.values())
         raise key.error(f"stands in {data} too; remove one")
 
 
 def _check_fitted_once(top, tests, parameters, nuisances, fixed, variants) -> None:
     """Raise InputError for a soil value that is stated twice."""
-    data = " or ".join(table.path.name for table in tests.files)
+    data = " or ".join(tests.file_names.values())
     toml = (
         ("soil", fixed),
         *((f"variants[{i}]", v.soil) for i, v in enumerate(variants, 1)),

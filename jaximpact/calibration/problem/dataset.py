@@ -9,7 +9,7 @@ import csv
 import dataclasses
 import itertools
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import jax
@@ -77,18 +77,26 @@ class Measurements:
         time = self.times[test]
         at = f" at {time:.4g} s" if np.isfinite(time) else ""
         for column in ("name", "test", "id"):
-            if self.labels.get(column, [""] * (test + 1))[test]:
-                return self.labels[column][test] + at
+            labels = self.labels.get(column)
+            if labels and labels[test]:
+                return labels[test] + at
         return self._row_of(test) + at
 
-    def names_apart(self, tests: Iterable[int]) -> tuple[str, ...]:
-        """Return the names of tests, with file and row where two have one name."""
-        names = {test: self.name(test) for test in tests}
+    def names_apart(self, tests: Iterable[int] | None = None) -> tuple[str, ...]:
+        """Return the names of tests, by default of all, with file and row where two
+        have one name."""
+        chosen = range(len(self)) if tests is None else tests
+        names = {test: self.name(test) for test in chosen}
         count = collections.Counter(names.values())
         return tuple(
             f"{name} ({self._row_of(test)})" if count[name] > 1 else name
             for test, name in names.items()
         )
+
+    @property
+    def file_names(self) -> dict[Path, str]:
+        """Names of the tables, by their paths; see `names_of_files`."""
+        return names_of_files([table.path for table in self.files])
 
     def _row_of(self, test: int | np.integer) -> str:
         """Name the row of a test, with its file where there are several."""
@@ -124,6 +132,31 @@ class Measurements:
         ]
         return [(one, test) for test, one in enumerate(same) if one != test]
 
+    def repeated_in_words(self) -> list[str]:
+        """Say which tests, and which points of curves, stand there twice."""
+        pairs, row = self.repeated, self.first_of_row
+        tests = [pair for pair in pairs if row[pair[1]] == pair[1]]
+        # A repeated test has its curve again.
+        points = [pair for pair in pairs if (row[pair[0]], row[pair[1]]) not in tests]
+        lines = []
+        if tests:
+            one, other = map(self._row_of, tests[0])
+            lines.append(
+                f"Tests that are the same as another in every column: {len(tests)}, "
+                f"the first of them {other} as {one}."
+            )
+        if points:
+            point = points[0][1]
+            lines.append(
+                f"Points of curves that are the same as another: {len(points)}, the "
+                f"first of them at {self.times[point]:.4g} s in "
+                f"{self.labels[CURVE_FILE][point]}."
+            )
+        mistaken = (
+            " If they stand there twice by mistake, standard errors are too small."
+        )
+        return [line + mistaken for line in lines]
+
     @property
     def times(self) -> np.ndarray:
         """Time of the forces of each test [s], shape (tests,); NaN without one."""
@@ -146,6 +179,12 @@ class Measurements:
         return [one for table in self.files for one in (table, *table.beside)]
 
     @property
+    def checksums(self) -> list[tuple[str, str]]:
+        """Names of all files that were read, and their SHA-256."""
+        names = names_of_files([table.path for table in self.sources])
+        return [(names[table.path], table.sha256) for table in self.sources]
+
+    @property
     def first_of_row(self) -> np.ndarray:
         """Index of the first test from the same row of a file, shape (tests,): itself,
         but for the points of a curve."""
@@ -156,7 +195,7 @@ class Measurements:
     @property
     def described(self) -> str:
         """Number and files of the tests, and the number of points of their curves."""
-        files = ", ".join(table.path.name for table in self.files)
+        files = ", ".join(self.file_names.values())
         count = len(np.unique(self.first_of_row))
         points = len(self) - count
         curves = f" and {points} points of their curves" if points else ""
@@ -393,15 +432,21 @@ def _joined_base(files: tuple[SceneTable, ...]) -> Scene:
     return base if len(set(kinds)) == 1 else with_shapes(base, kinds)
 
 
-def _names_of(paths: Sequence[Path]) -> list[str]:
-    """Name files without their suffix, with as many of their folders as tell files of
-    one name apart."""
+def names_of_files(paths: Sequence[Path]) -> dict[Path, str]:
+    """Name files with as many of their folders as tell those of one name apart."""
     longest = max(len(path.parts) for path in paths)
     for count in range(1, longest + 1):
-        names = ["/".join(path.with_suffix("").parts[-count:]) for path in paths]
-        if len(set(names)) == len(set(paths)):
+        names = {path: "/".join(path.parts[-count:]) for path in paths}
+        if len(set(names.values())) == len(names):
             break
     return names
+
+
+def _names_of(paths: Sequence[Path]) -> list[str]:
+    """Name files as `names_of_files`, without their suffix where these stay apart."""
+    names = [*names_of_files(paths).values()]
+    stems = [str(PurePosixPath(name).with_suffix("")) for name in names]
+    return stems if len(set(stems)) == len(set(names)) else names
 
 
 def _kinds_of(shape: AbstractShape, count: int) -> list[type[AbstractShape]]:

@@ -268,9 +268,10 @@ def left_out_table(study: Study, left: LeftOut, what: str) -> Table | None:
 
 def _worst(study: Study, left: LeftOut, values: np.ndarray) -> Table:
     order = np.argsort(-np.abs(np.nan_to_num(values)), axis=None)[:12]
+    names = study.tests.names_apart()
     rows = [
         (
-            study.tests.name(int(test)),
+            names[test],
             study.targets[target],
             study.measured[test, target],
             left.predicted[test, target],
@@ -328,7 +329,7 @@ def origin_table(result: StudyResult) -> Table:
         laws |= {f"{slot} of {variant.name}": v for slot, v in variant.laws.items()}
     rows = [
         ("study", study.path.name),
-        *((t.path.name, f"sha256 {t.sha256}") for t in study.tests.sources),
+        *((name, f"sha256 {sha256}") for name, sha256 in study.tests.checksums),
         *((slot, name_of(type(law))) for slot, law in laws.items()),
         ("method", study.method),
         ("loss", study.loss),

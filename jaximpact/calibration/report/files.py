@@ -101,14 +101,16 @@ def _posterior_names(study: Study) -> list[str]:
 def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
     """Write fitted.csv: a line for each variant, and each measurement of the tests.
 
-    `row` is that of the file, whose header is row 1; `test` is the name of the test,
-    with the time of a force. `limit` is `>` or `<` where only a limit is known.
-    `residual` is fitted less measured, `standardised` the same in units of its standard
-    deviation. `model_low` and `model_high` include 95 % of the model's values for the
-    parameters that the tests allow, `low` and `high` 95 % of such measurements.
-    `left_out` is predicted by the fit to the other tests, with a standard deviation.
+    `row` is that of the file, whose header is row 1; `file` has folders where two have
+    one name. `test` is the name of the test, with the time of a force. `limit` is `>`
+    or `<` where only a limit is known. `residual` is fitted less measured,
+    `standardised` the same in units of its standard deviation. `model_low` and
+    `model_high` include 95 % of the model's values for the parameters that the tests
+    allow, `low` and `high` 95 % of such measurements. `left_out` is predicted by the
+    fit to the other tests, with a standard deviation.
     """
     study, rows = result.study, []
+    files = study.tests.file_names
     for variant, diagnostics in zip(result.variants, examined, strict=True):
         left, bands = diagnostics.each, diagnostics.bands
         columns = [
@@ -120,7 +122,7 @@ def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
         columns += nothing if left is None else [left.predicted, left.deviation]
         rows += [
             (
-                *(variant.variant.name, line, path.name, study.tests.name(row)),
+                *(variant.variant.name, line, files[path], study.tests.name(row)),
                 *(study.targets[target], LIMITS[int(study.censored[row, target])]),
                 *(column[row, target] for column in columns),
             )
@@ -158,8 +160,7 @@ def _manifest(result: StudyResult) -> dict:
     return {
         "study": study.path.name,
         "data": [
-            {"file": table.path.name, "sha256": table.sha256}
-            for table in study.tests.sources
+            {"file": name, "sha256": sha256} for name, sha256 in study.tests.checksums
         ],
         **{name: getattr(study, name) for name in SETTINGS},
         "parts": as_entries(unusual(study.parts)),

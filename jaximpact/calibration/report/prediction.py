@@ -219,7 +219,7 @@ def _about_groups(prediction: PredictedTests) -> list[str]:
 
 
 def _named(prediction: PredictedTests, tests: np.ndarray) -> str:
-    names = [prediction.tests.name(int(test)) for test in tests[:MOST_NAMES]]
+    names = prediction.tests.names_apart(tests[:MOST_NAMES])
     if len(tests) == len(prediction.tests) and len(tests) > 1:
         return f"all {len(tests)} tests"
     more = f" and {len(tests) - MOST_NAMES} more" if len(tests) > MOST_NAMES else ""
@@ -228,7 +228,7 @@ def _named(prediction: PredictedTests, tests: np.ndarray) -> str:
 
 def _test_table(prediction: PredictedTests, variant: VariantPrediction) -> Table:
     rows = []
-    for test in range(len(prediction.tests)):
+    for test, name in enumerate(prediction.tests.names_apart()):
         cells = []
         for target in range(len(prediction.targets)):
             cell = test, target
@@ -238,7 +238,7 @@ def _test_table(prediction: PredictedTests, variant: VariantPrediction) -> Table
                 sign = LIMITS[int(prediction.censored[cell])]
                 text += f"; {sign}{prediction.measured[cell]:.3g}"
             cells.append(text)
-        rows.append((prediction.tests.name(test), variant.outcomes[test], *cells))
+        rows.append((name, variant.outcomes[test], *cells))
     return Table(("test", "outcome", *prediction.targets), rows)
 
 
@@ -316,14 +316,14 @@ def simple_table(prediction: PredictedTests) -> Table:
     """Write the predictions of the simple laws, test by test."""
     rows = [
         (
-            prediction.tests.name(test),
+            name,
             law.name,
             *(
                 _with_interval(law.best[test, place], *law.interval(test, place))
                 for place in range(len(law.targets))
             ),
         )
-        for test in range(len(prediction.tests))
+        for test, name in enumerate(prediction.tests.names_apart())
         for law in prediction.simple
     ]
     targets = prediction.simple[0].targets if prediction.simple else ()
@@ -398,8 +398,8 @@ def as_json(prediction: PredictedTests) -> dict:
         "shapes_not_fitted": prediction.new_shapes,
         "manifest": {
             "tests": [
-                {"file": table.path.name, "sha256": table.sha256}
-                for table in prediction.tests.sources
+                {"file": name, "sha256": sha256}
+                for name, sha256 in prediction.tests.checksums
             ],
             "draws": len(prediction.ground.variants[0].draws),
             "seed": prediction.ground.seed,
