@@ -164,8 +164,6 @@ def _curve(
 ) -> Curve | None:
     """Count exceedances at a place; None where no block comes."""
     values = outcomes[..., column_of(fit.places, x, quantity)]
-    ended = outcomes[..., -1] == 0.0  # the others failed, and are no shares
-    values = np.where(ended, values, np.nan)
     there = np.isfinite(values)
     if not np.any(there):
         return None
@@ -173,7 +171,7 @@ def _curve(
     grid = np.linspace(0.0, np.max(values[there]), 101)
     grounds = [np.sort(row[np.isfinite(row)]) for row in values]
     counts = np.stack([len(g) - np.searchsorted(g, grid, "right") for g in grounds])
-    blocks = np.sum(ended, axis=1)
+    blocks = np.sum(outcomes[..., -1] == 0.0, axis=1)  # the others failed
     low, high = share_intervals_over_grounds(counts, blocks)
     design = {
         percent: (

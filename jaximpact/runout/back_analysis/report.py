@@ -18,6 +18,7 @@ from ..study.barriers import (
     effect_table,
     estimate_table,
 )
+from .data_sets import MOST_FAILED
 from .observed import ObservedCount
 from .posterior import WIDE, FittedParameter
 from .predictive import RARE, SlopeCalibration
@@ -132,11 +133,20 @@ def warnings_of(result: SlopeCalibration) -> list[str]:
             f"{check.deviation:.3g} standard deviations from what the fitted ground "
             "predicts. Check releases, blocks and data; do not rely on the intervals."
         )
-    if failed := result.predicted.failed:
+    if failed := result.searched.failed:
         lines.append(
-            f"{100.0 * failed:.2g} % of the blocks failed on the fitted ground: they "
-            "are in no estimate, but the fit takes them for blocks that passed and did "
-            "not stop. Look for a law or a table that does not reach so far."
+            f"In {failed} of {result.searched.simulated} data sets most blocks failed: "
+            "they were left out, so that no ground like theirs can be found. Look for "
+            "a law or a table that does not reach so far."
+        )
+    if failed := result.predicted.failed:
+        others = "rest on the others, the fewer: do not use the fit"
+        if failed <= MOST_FAILED:
+            others = "are of the others"
+        lines.append(
+            f"{100.0 * failed:.3g} % of the blocks failed on the fitted ground, and "
+            f"are in no number but this: all others {others}. Look for a law or a "
+            "table that does not reach so far."
         )
     for p in fitted:
         name = p.parameter.name
