@@ -215,10 +215,7 @@ def tabulate(
     if block.shape.is_round():
         nodes = nodes._replace(orientation=1)
     scale = float(gravity_speed(block))
-    low, high = np.arcsinh(ends / scale)
-    axes = _axes(
-        scale * np.sinh(np.linspace(low, high, nodes.speed)), slopes, nodes[1:]
-    )
+    axes = _axes(speeds_between(block, ends, nodes.speed), slopes, nodes[1:])
     shape = tuple(map(len, axes))
     places, impact = impacts_at(block, axes)
     setting = get_accuracy(accuracy)
@@ -269,6 +266,13 @@ def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
     }
     count = math.prod(map(len, axes))
     return Journal(journal, subject, [*COLUMNS], count)
+
+
+def speeds_between(block: Block, ends: np.ndarray, count: int) -> np.ndarray:
+    """Return the total speeds of so many nodes from the first to the last [m/s]."""
+    scale = float(gravity_speed(block))
+    low, high = np.arcsinh(ends / scale)
+    return scale * np.sinh(np.linspace(low, high, count))
 
 
 def axes_of(table: ReboundTable) -> list[np.ndarray]:

@@ -285,6 +285,35 @@ def test_a_table_is_read_as_it_was_written(of_sphere, tmp_path):
         read_table(path)
 
 
+def test_a_table_that_another_program_wrote_is_read_as_its_axes_say(
+    of_elongated, tmp_path
+):
+    """However they are ordered; with nodes that were left out, or turned, another value
+    would stand at each node."""
+    path = tmp_path / "table.nc"
+    write_table(path, of_elongated)
+    dataset = read_netcdf(path)
+    write_netcdf(path, dataset.transpose(*reversed(DIMENSIONS)))
+    read = read_table(path)
+    np.testing.assert_array_equal(read.entries, of_elongated.entries)
+    np.testing.assert_array_equal(read.outcomes, of_elongated.outcomes)
+    write_netcdf(path, dataset.isel(slope_deg=[1, 3]))
+    np.testing.assert_array_equal(
+        read_table(path).entries, of_elongated.entries[..., [1, 3], :]
+    )
+    for name, kept in (
+        ("total_speed_mps", [0, 1, 4]),
+        ("total_speed_mps", [0]),
+        ("elevation_deg", slice(1, None)),
+        ("azimuth_deg", slice(4, None)),
+        ("orientation_deg", slice(3)),
+        ("slope_deg", slice(None, None, -1)),
+    ):
+        write_netcdf(path, dataset.isel({name: kept}))
+        with pytest.raises(InputError, match=f"{name} that are not those of a table"):
+            read_table(path)
+
+
 def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_path):
     path = tmp_path / "table.csv"
     write_csv(path, of_elongated)
