@@ -72,7 +72,8 @@ def _arms(block: Block, orientation: Numbers) -> tuple[Scalar, Scalar]:
 
 
 def slip_factor_of(orientations: int) -> float:
-    """Give the factor k of a table with so many orientations: round blocks have one."""
+    """Give the factor k of a table with so many nodes of orientation. Tables of round
+    blocks have one; others with one are read as those."""
     return SLIP_FACTOR_OF_ROUND if orientations == 1 else SLIP_FACTOR
 
 

@@ -2,6 +2,7 @@
 run-out."""
 
 import dataclasses
+import json
 
 import jax
 import jax.numpy as jnp
@@ -335,6 +336,41 @@ def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_pa
         blow.tangential_velocity[0] / float(impact.tangential_velocity[0]), rel=1e-4
     )
     assert (tmp_path / "table.csv.manifest.json").is_file()
+
+
+@pytest.mark.parametrize("orientations", [1, 5])
+def test_azimuths_for_other_programs_are_of_the_factor_in_the_manifest(
+    of_elongated, orientations, tmp_path
+):
+    """Written out as the page on tables does, with r and T of the major axis along the
+    normal."""
+    kept = slice(orientations)
+    table = dataclasses.replace(
+        of_elongated,
+        entries=of_elongated.entries[:, :, :, kept],
+        outcomes=of_elongated.outcomes[:, :, :, kept],
+    )
+    write_csv(tmp_path / "table.csv", table)
+    manifest = json.loads((tmp_path / "table.csv.manifest.json").read_text())
+    rows = [
+        row
+        for row in rows_of(tmp_path / "table.csv")
+        # In a vertical approach there is neither slip nor turning.
+        if float(row["orientation_deg"]) == 0.0 and float(row["elevation_deg"]) < 89.0
+    ]
+    assert len(rows) == table.outcomes[:, :-1, :, 0].size
+    columns = "speed_mps", "angle_deg", "angular_velocity_degps", "azimuth_deg"
+    speed, angle, spin, alpha = (
+        np.array([float(row[name]) for row in rows]) for name in columns
+    )
+    axes, omega = ELONGATED.semi_axes, np.radians(spin)
+    slip = speed * np.sin(np.radians(angle)) - float(axes.major) * omega
+    turning = omega * float(axes.minor)
+    expected = np.arctan2(turning, manifest["slip_factor"] * slip)
+    # From degrees and back; where nearly all is approach, slip is a small difference.
+    np.testing.assert_allclose(
+        np.exp(1j * np.radians(alpha)), np.exp(1j * expected), atol=1e-9
+    )
 
 
 @pytest.mark.parametrize(
