@@ -54,6 +54,7 @@ from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.problem.config import Variant
 from jaximpact.calibration.report.comparison import verdict, worse_than_others
 from jaximpact.errors import InputError
+from jaximpact.laws import FluidityRate
 from jaximpact.laws.bearing import VesicWithInertia
 from jaximpact.parameters import parameter
 from jaximpact.rebound import AbstractRebound, Rebound
@@ -584,6 +585,22 @@ def test_values_of_laws_given_as_objects(law, name, column, value):
     assert len(contenders_of([Soil(dilatancy=0.5), Soil(dilatancy=1.0)], study)) == 2
     fitted = contenders_of([Soil(c_v=0.3)], study)[0]
     assert fitted.name == "usual laws"
+
+
+class Lagging(FluidityRate):
+    """A law of a user's own with a parameter that is small in its unit."""
+
+    permeability: jax.Array = parameter(
+        1e-9, "m/s", "(0, inf)", "permeability", usual=(1e-12, 1e-3)
+    )
+
+
+def test_small_values_of_laws_given_as_objects():
+    """Five times the default is another value, in whatever unit."""
+    laws = [Lagging(permeability=value) for value in (1e-9, 5e-9)]
+    same, other = contenders_of(laws, drops())
+    assert same.name == "flow Lagging"
+    assert other.name == "flow Lagging, permeability 5e-09"
 
 
 def test_points_of_a_curve_are_one_test(tmp_path):

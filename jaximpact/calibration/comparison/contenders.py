@@ -2,10 +2,9 @@
 
 import contextlib
 import dataclasses
+import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
-
-import numpy as np
 
 from ..._checks import expect
 from ...errors import InputError, did_you_mean
@@ -138,7 +137,8 @@ def _with_values(
     own = {
         name: value
         for name, value in of_soil.items()
-        if name not in taken and not np.isclose(value, columns[name].default, 1e-12)
+        if name not in taken
+        and not math.isclose(value, columns[name].default, rel_tol=1e-12)
     }
     words = (f"{name} {value:g}" for name, value in own.items())
     name = ", ".join([variant.name, *words])
