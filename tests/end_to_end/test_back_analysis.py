@@ -16,6 +16,7 @@ from benchmarks.back_analysis import BENCHES, observe
 from jaximpact import calibrate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
+from jaximpact.lookup import Tabulated
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
 from jaximpact.runout.back_analysis import posterior as posterior_module
 from jaximpact.runout.back_analysis import predictive
@@ -24,12 +25,13 @@ from jaximpact.runout.back_analysis.observed import ObservedCount
 from jaximpact.runout.back_analysis.predictive import (
     PASSAGE_COLUMNS,
     PER_PLACE,
+    ModelCheck,
     _curve,
     column_of,
     predict,
 )
 from jaximpact.runout.back_analysis.problem import read_slope_fit
-from jaximpact.runout.back_analysis.report import warnings_of
+from jaximpact.runout.back_analysis.report import report, warnings_of
 from jaximpact.runout.study.barriers import estimates_of
 
 pytestmark = pytest.mark.slow
@@ -223,6 +225,32 @@ def test_narrow_intervals_and_parameters_that_act_together_are_named(fitted):
         posterior = dataclasses.replace(fitted.posterior, **changes)
         (line,) = warnings_of(dataclasses.replace(fitted, posterior=posterior))
         assert said in line
+
+
+def text_of(result):
+    """The report, without its line breaks."""
+    return " ".join(report(result).text().split())
+
+
+def test_what_is_never_predicted_and_what_is_always_are_told_in_words(fitted):
+    check = ModelCheck(probability=0.002, worst="the mean", deviation=np.inf)
+    predicted = fitted.predicted._replace(check=check)
+    page = text_of(dataclasses.replace(fitted, predicted=predicted))
+    assert "the mean as observed never occurs in what the fitted ground" in page
+    assert "inf " not in page
+    check = ModelCheck(probability=1.0, worst="the mean", deviation=0.1)
+    predicted = fitted.predicted._replace(check=check)
+    page = text_of(dataclasses.replace(fitted, predicted=predicted))
+    assert "100 % of predicted data sets" in page
+
+
+def test_a_table_stands_in_for_no_law_but_may_be_the_law(fitted):
+    said = "no table or emulator stands in for it"
+    assert said in text_of(fitted)
+    slope = fitted.fit.slope
+    law = slope.laws[0]._replace(contacts=Tabulated.__new__(Tabulated))
+    fit = dataclasses.replace(fitted.fit, slope=slope._replace(laws=[law]))
+    assert said not in text_of(dataclasses.replace(fitted, fit=fit))
 
 
 def test_blocks_that_fail_are_told_and_no_shares(fitted):

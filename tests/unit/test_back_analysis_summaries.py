@@ -1,4 +1,7 @@
-"""Summary statistics of simulated data sets, from outcomes made up."""
+"""Summary statistics of simulated data sets, from outcomes made up, and how far those
+observed are from them."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ from jaximpact.runout.back_analysis.observed import (
     ObservedCount,
     ObservedValues,
 )
+from jaximpact.runout.back_analysis.predictive import _check
 
 PLACE, BLOCKS = 30.0, 20
 
@@ -67,3 +71,23 @@ def test_a_data_set_in_which_most_blocks_failed_tells_nothing(failed):
     left = BLOCKS - failed
     _, theirs = summaries(*channels, stops=[45.0] * left, passed=left, failed=failed)
     assert np.all(np.isnan([*theirs.values()]))
+
+
+def test_what_the_fitted_ground_never_gives_is_no_number_of_deviations():
+    """All blocks stop in every data set, and their mean spread is one of rounding."""
+    x = 40.0 + 0.1 * np.arange(BLOCKS)
+    outcomes = np.repeat(data_set(x, passed=0, failed=0), 200, axis=0)
+    # Moved alike, so that the spread of each data set is the same but for rounding.
+    outcomes[..., 0] += np.random.default_rng(1).normal(size=(200, 1))
+    checks = []
+    for apart in (0.1, 0.2):
+        channel = ObservedValues("x_m", None, 40.0 + apart * np.arange(BLOCKS))
+        observed = Observations((channel,), {}, BLOCKS, (), ())
+        fit = SimpleNamespace(observed=observed, places=[PLACE])
+        checks.append(_check(fit, outcomes))
+    same, wider = checks
+    assert same.explained
+    assert same.deviation < 5.0
+    assert not wider.explained
+    assert wider.worst == "spread of x_m of stopping points"
+    assert wider.deviation == np.inf

@@ -42,7 +42,7 @@ class ModelCheck(NamedTuple):
     worst: str  # name of the observed summary that deviates most
     deviation: float
     """Deviation of that summary from the predicted mean, in predicted standard
-    deviations."""
+    deviations; infinite where what is predicted never varies, and is another."""
 
     @property
     def explained(self) -> bool:
@@ -135,13 +135,14 @@ def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
     if len(summaries) < 2:
         return ModelCheck(0.0, names[0], np.inf)
     mean, spread = np.mean(summaries, axis=0), np.std(summaries, axis=0)
+    rounding = 1e-9 * (1.0 + np.abs(mean))
+    spread = np.where(spread > rounding, spread, 0.0)
 
     def deviations(summary: np.ndarray) -> np.ndarray:
         apart = np.abs(summary - mean)
         # What never varies either agrees or cannot be.
-        same = apart <= 1e-9 * (1.0 + np.abs(mean))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(same, 0.0, apart / spread)
+            return np.where(apart <= rounding, 0.0, apart / spread)
 
     ours, theirs = deviations(observed), np.max(deviations(summaries), axis=1)
     worst = int(np.argmax(ours))
