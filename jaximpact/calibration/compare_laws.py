@@ -340,7 +340,8 @@ def compare(
     float32.
     """
     require_float64()
-    expect("exact", exact, bool, np.bool_)
+    if not isinstance(exact, np.bool_):  # whose name is that of `bool`
+        expect("exact", exact, bool)
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
     study = study_of_arguments(tests, options)

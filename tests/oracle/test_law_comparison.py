@@ -460,6 +460,21 @@ def test_groups_targets_and_refusals_are_named(tmp_path):
     assert len(lines) == 1 + 2 * 24 * 2
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"by": 3}, "by must be of type str or Iterable"),
+        ({"by": [3]}, "by names must be of type str, but is 3"),
+        ({"by": [["campaign"]]}, "by names must be of type str"),
+        ({"exact": "yes"}, "exact must be of type bool, but is 'yes' (str)"),
+    ],
+)
+def test_a_comparison_that_cannot_be_made(options, words):
+    with pytest.raises(InputError) as error:
+        compare(made_by(ConstantCoefficients(0.4, 0.8)), REBOUND[:1], **options)
+    assert_one_line(error.value, words)
+
+
 def test_a_law_of_ones_own_is_compared(tmp_path):
     tests = made_by(Fading(half_speed=jnp.asarray(8.0)))
     found = compare(tests, ["constant coefficients", Fading])
