@@ -83,7 +83,8 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
             "my_laws.py:MyFlow", relative to the study) or as an object, which takes the
             place of the study's; a `Soil`, whose laws do, with what values of either
             are no defaults; a law of rebound by its words ("constant coefficients"),
-            its class or "my_laws.py:MyRebound". None for `default_contenders`.
+            its class or "my_laws.py:MyRebound", or as an object, whose values have no
+            effect: all of them are fitted. None for `default_contenders`.
 
     Raises InputError for a law that is unknown or stands twice.
     """
