@@ -58,9 +58,11 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
     Directions of approach, orientations and slopes are uniform, speeds log-uniform from
     1 m/s on, if the table has such, or from its first speed on.
 
-    Raises InputError for a count that is no whole number from 1 on.
+    Raises InputError for a count that is no whole number from 1 on, or a seed that is
+    none from 0 on.
     """
     count = whole_number("the number of random impacts", count, 1)
+    seed = whole_number("the seed of random impacts", seed, 0)
     generator = np.random.default_rng(seed)
     first, high = float(table.speeds[0]), float(table.speeds[-1])
     low = max(first, 1.0) if high > 1.0 else first

@@ -405,6 +405,14 @@ def test_a_count_of_random_impacts_is_a_whole_number(of_sphere, count, message):
         measure_error(of_sphere, count)
 
 
+@pytest.mark.parametrize(
+    ("seed", "message"), [(-1, "must be at least 0"), ("a", "a whole number")]
+)
+def test_a_seed_of_random_impacts_is_a_whole_number(of_sphere, seed, message):
+    with pytest.raises(InputError, match=f"seed of random impacts .*{message}"):
+        random_impacts(of_sphere, 3, seed=seed)
+
+
 def test_impacts_that_a_table_does_not_have_are_no_failures_of_the_model(of_sphere):
     fast = 2.0 * float(of_sphere.speeds[-1])
     error = measure_error(of_sphere, Impact(speed=np.array([10.0, fast]), angle=0.3))
