@@ -87,13 +87,14 @@ def direction_of(
     slip = impact.tangential_velocity - radius * spin
     turning = spin * block.semi_axes.minor
     # Without slip and turning neither size nor angle has a derivative: another slip
-    # stands there, which gives 0.
+    # stands there, which gives 0; and another size where nothing closes either.
     still = (slip == 0.0) & (turning == 0.0)
     slip = jnp.where(still, 1.0, slip)
     flat = jnp.where(still, 0.0, jnp.hypot(slip, turning))
+    at_rest = still & (closing == 0.0)
     return Direction(
         jnp.hypot(closing, flat),
-        jnp.arctan2(closing, flat),
+        jnp.arctan2(closing, jnp.where(at_rest, 1.0, flat)),
         jnp.arctan2(turning, slip_factor * slip),
     )
 

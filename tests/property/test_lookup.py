@@ -447,6 +447,16 @@ def test_the_derivative_at_a_vertical_impact_without_spin(of_sphere):
     assert float(jax.grad(after)(10.0)) == pytest.approx(float(difference), rel=1e-6)
 
 
+def test_the_derivative_of_a_block_at_rest(of_elongated):
+    """What does not close is left alone: v_n after is the speed by its cosine."""
+
+    def after(speed):
+        impact = Impact(speed=speed, angle=0.5, orientation=0.7)
+        return of_elongated(ELONGATED, impact).normal_velocity
+
+    assert float(jax.grad(after)(0.0)) == pytest.approx(np.cos(0.5), rel=1e-12)
+
+
 def test_rows_do_not_replace_what_is_no_manifest(of_sphere, tmp_path):
     mine = tmp_path / "table.csv.manifest.json"
     mine.write_text("mine")
