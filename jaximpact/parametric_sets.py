@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ._checks import expect
 from ._settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy
 from .errors import InputError, did_you_mean
@@ -95,6 +96,7 @@ def simulate_set(
 
 def check_ground(ground: str) -> None:
     """Raise InputError unless it is one of `GROUNDS`."""
+    expect("ground", ground, str)
     if ground not in GROUNDS:
         raise InputError(
             f"ground {ground!r} is unknown; {did_you_mean(ground, GROUNDS, repr)}"

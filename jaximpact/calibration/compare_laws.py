@@ -322,8 +322,9 @@ def compare(
             the ground's ("FluidityRate", "my_laws.py:MyFlow"); a `Soil` with laws of
             its own; of these objects, values that are no defaults too, unless they are
             fitted or stand in the table; a law of rebound by its words or its class
-            ("constant coefficients", `PfeifferBowen`, "my_laws.py:MyRebound"). Default:
-            the model and all these grounds, constant coefficients, Pfeiffer and Bowen,
+            ("constant coefficients", `PfeifferBowen`, "my_laws.py:MyRebound"), or an
+            object of it, whose values have no effect: all are fitted. Default: the
+            model and all these grounds, constant coefficients, Pfeiffer and Bowen,
             a power law in the angle, and a rigid ellipsoid (Vijayakumar).
         by: columns whose groups are left out too: of text, "shape", or of numbers.
             Default: campaign and shape, where there are several.
@@ -340,7 +341,8 @@ def compare(
     float32.
     """
     require_float64()
-    expect("exact", exact, bool, np.bool_)
+    if not isinstance(exact, np.bool_):  # whose name is that of `bool`
+        expect("exact", exact, bool)
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
     study = study_of_arguments(tests, options)

@@ -72,7 +72,8 @@ def _arms(block: Block, orientation: Numbers) -> tuple[Scalar, Scalar]:
 
 
 def slip_factor_of(orientations: int) -> float:
-    """Give the factor k of a table with so many orientations: round blocks have one."""
+    """Give the factor k of a table with so many nodes of orientation. Tables of round
+    blocks have one; others with one are read as those."""
     return SLIP_FACTOR_OF_ROUND if orientations == 1 else SLIP_FACTOR
 
 
@@ -86,13 +87,14 @@ def direction_of(
     slip = impact.tangential_velocity - radius * spin
     turning = spin * block.semi_axes.minor
     # Without slip and turning neither size nor angle has a derivative: another slip
-    # stands there, which gives 0.
+    # stands there, which gives 0; and another size where nothing closes either.
     still = (slip == 0.0) & (turning == 0.0)
     slip = jnp.where(still, 1.0, slip)
     flat = jnp.where(still, 0.0, jnp.hypot(slip, turning))
+    at_rest = still & (closing == 0.0)
     return Direction(
         jnp.hypot(closing, flat),
-        jnp.arctan2(closing, flat),
+        jnp.arctan2(closing, jnp.where(at_rest, 1.0, flat)),
         jnp.arctan2(turning, slip_factor * slip),
     )
 

@@ -22,7 +22,7 @@ from ..scene import Scene
 from ..scene_quantities import scene_of_values, scene_values
 from ..units import DEGREE
 from .table import ReboundTable, TableError, gravity_speed, slip_factor_of
-from .tabulation import axes_of, impacts_at
+from .tabulation import axes_of, impacts_at, speeds_between
 
 DIMENSIONS = (
     *("total_speed_mps", "elevation_deg", "azimuth_deg", "orientation_deg"),
@@ -36,6 +36,8 @@ ENTRIES = {
     "rotation_rad": "rotation during contact",
     "final_sinking_m": "sinking at the end",
 }
+SAME = 1e-9
+"""Difference of nodes, as a fraction of the largest, that is rounding."""
 
 
 def write_table(path: Path, table: ReboundTable) -> None:
@@ -60,7 +62,10 @@ def write_table(path: Path, table: ReboundTable) -> None:
 def read_table(path: Path) -> ReboundTable:
     """Read what `write_table` wrote.
 
-    Raises InputError for a file that cannot be read or holds no such table.
+    Other programs may have transposed what it holds, or left out slopes.
+
+    Raises InputError for a file that cannot be read or holds no such table, or other
+    nodes than a table has.
     """
     path = Path(path)
     dataset = read_netcdf(path)
@@ -73,17 +78,22 @@ def read_table(path: Path) -> ReboundTable:
                 file=path,
             )
         scene = _scene(path, dataset)
-        entries = np.stack([dataset[name].values for name in ENTRIES], axis=-1)
-        return ReboundTable(
+        *entries, outcomes = (
+            dataset[name].transpose(*DIMENSIONS).values
+            for name in (*ENTRIES, "outcome_code")
+        )
+        table = ReboundTable(
             block=scene.block,
             soil=scene.soil,
-            entries=jnp.asarray(entries),
-            outcomes=jnp.asarray(dataset["outcome_code"].values.astype(int)),
+            entries=jnp.asarray(np.stack(entries, axis=-1)),
+            outcomes=jnp.asarray(outcomes.astype(int)),
             speeds=jnp.asarray(dataset[DIMENSIONS[0]].values),
             slopes=jnp.asarray(dataset["slope_rad"].values),
             accuracy=Accuracy(**json.loads(dataset.attrs["accuracy"])),
             error=TableError(**json.loads(dataset.attrs["error"])),
         )
+        _check_nodes(path, dataset, table)
+        return table
     except InputError:
         raise
     except (KeyError, TypeError, ValueError) as error:
@@ -91,6 +101,23 @@ def read_table(path: Path) -> ReboundTable:
             f"holds no table of impacts ({error!r}); one from write_table is needed",
             file=path,
         ) from None
+
+
+def _check_nodes(path: Path, dataset: xr.Dataset, table: ReboundTable) -> None:
+    """Raise InputError for nodes that are not those by which a table is looked up, as
+    where some were left out."""
+    axes = axes_of(table)
+    axes[0] = speeds_between(table.block, axes[0][[0, -1]], len(axes[0]))
+    for name, own in zip(DIMENSIONS, _in_units(axes), strict=True):
+        least = 1 if name in ("orientation_deg", "slope_deg") else 2
+        apart = np.abs(dataset[name].values - own)
+        good = len(own) >= least and np.all(np.diff(own) > 0.0)
+        if not good or not np.all(apart <= SAME * np.max(np.abs(own))):
+            raise InputError(
+                f"holds nodes of {name} that are not those of a table, left out or "
+                "in another order; the file as write_table wrote it is needed",
+                file=path,
+            )
 
 
 def _scene(path: Path, dataset: xr.Dataset) -> Scene:

@@ -58,9 +58,11 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
     Directions of approach, orientations and slopes are uniform, speeds log-uniform from
     1 m/s on, if the table has such, or from its first speed on.
 
-    Raises InputError for a count that is no whole number from 1 on.
+    Raises InputError for a count that is no whole number from 1 on, or a seed that is
+    none from 0 on.
     """
     count = whole_number("the number of random impacts", count, 1)
+    seed = whole_number("the seed of random impacts", seed, 0)
     generator = np.random.default_rng(seed)
     first, high = float(table.speeds[0]), float(table.speeds[-1])
     low = max(first, 1.0) if high > 1.0 else first
@@ -215,10 +217,7 @@ def tabulate(
     if block.shape.is_round():
         nodes = nodes._replace(orientation=1)
     scale = float(gravity_speed(block))
-    low, high = np.arcsinh(ends / scale)
-    axes = _axes(
-        scale * np.sinh(np.linspace(low, high, nodes.speed)), slopes, nodes[1:]
-    )
+    axes = _axes(speeds_between(block, ends, nodes.speed), slopes, nodes[1:])
     shape = tuple(map(len, axes))
     places, impact = impacts_at(block, axes)
     setting = get_accuracy(accuracy)
@@ -269,6 +268,13 @@ def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
     }
     count = math.prod(map(len, axes))
     return Journal(journal, subject, [*COLUMNS], count)
+
+
+def speeds_between(block: Block, ends: np.ndarray, count: int) -> np.ndarray:
+    """Return the total speeds of so many nodes from the first to the last [m/s]."""
+    scale = float(gravity_speed(block))
+    low, high = np.arcsinh(ends / scale)
+    return scale * np.sinh(np.linspace(low, high, count))
 
 
 def axes_of(table: ReboundTable) -> list[np.ndarray]:

@@ -4,6 +4,7 @@ import concurrent.futures
 import dataclasses
 import json
 import multiprocessing
+import re
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from benchmarks.back_analysis import BENCHES, observe
 from jaximpact import calibrate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
+from jaximpact.lookup import Tabulated
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
 from jaximpact.runout.back_analysis import posterior as posterior_module
 from jaximpact.runout.back_analysis import predictive
@@ -23,12 +25,13 @@ from jaximpact.runout.back_analysis.observed import ObservedCount
 from jaximpact.runout.back_analysis.predictive import (
     PASSAGE_COLUMNS,
     PER_PLACE,
+    ModelCheck,
     _curve,
     column_of,
     predict,
 )
 from jaximpact.runout.back_analysis.problem import read_slope_fit
-from jaximpact.runout.back_analysis.report import warnings_of
+from jaximpact.runout.back_analysis.report import report, warnings_of
 from jaximpact.runout.study.barriers import estimates_of
 
 pytestmark = pytest.mark.slow
@@ -224,6 +227,32 @@ def test_narrow_intervals_and_parameters_that_act_together_are_named(fitted):
         assert said in line
 
 
+def text_of(result):
+    """The report, without its line breaks."""
+    return " ".join(report(result).text().split())
+
+
+def test_what_is_never_predicted_and_what_is_always_are_told_in_words(fitted):
+    check = ModelCheck(probability=0.002, worst="the mean", deviation=np.inf)
+    predicted = fitted.predicted._replace(check=check)
+    page = text_of(dataclasses.replace(fitted, predicted=predicted))
+    assert "the mean as observed never occurs in what the fitted ground" in page
+    assert "inf " not in page
+    check = ModelCheck(probability=1.0, worst="the mean", deviation=0.1)
+    predicted = fitted.predicted._replace(check=check)
+    page = text_of(dataclasses.replace(fitted, predicted=predicted))
+    assert "100 % of predicted data sets" in page
+
+
+def test_a_table_stands_in_for_no_law_but_may_be_the_law(fitted):
+    said = "no table or emulator stands in for it"
+    assert said in text_of(fitted)
+    slope = fitted.fit.slope
+    law = slope.laws[0]._replace(contacts=Tabulated.__new__(Tabulated))
+    fit = dataclasses.replace(fitted.fit, slope=slope._replace(laws=[law]))
+    assert said not in text_of(dataclasses.replace(fitted, fit=fit))
+
+
 def test_blocks_that_fail_are_told_and_no_shares(fitted):
     """Of those that did not fail half exceed a value, whatever failed beside them."""
     fit = fitted.fit
@@ -235,9 +264,61 @@ def test_blocks_that_fail_are_told_and_no_shares(fitted):
     curve = _curve(fit, outcomes, x, PASSAGE_COLUMNS[0])
     assert curve.share[0] == 1.0
     assert curve.share[np.searchsorted(curve.values, 10.0)] == 0.5
-    predicted = fitted.predicted._replace(failed=0.064)
-    (line,) = warnings_of(dataclasses.replace(fitted, predicted=predicted))
-    assert line.startswith("6.4 % of the blocks failed on the fitted ground")
+    for failed, said in ((0.064, "6.4 % of the"), (1.0, "100 % of the.*do not use")):
+        predicted = fitted.predicted._replace(failed=failed)
+        (line,) = warnings_of(dataclasses.replace(fitted, predicted=predicted))
+        assert re.match(said, line)
+        assert ("do not use" in line) == (failed > 0.5)
+
+
+BRITTLE = """
+import jax.numpy as jnp
+
+from jaximpact._types import Scalar
+from jaximpact.parameters import parameter
+from jaximpact.rebound import AbstractRebound, Rebound
+
+
+class Brittle(AbstractRebound):
+    e_n: Scalar = parameter(0.3, "-", "[0, 1]", "restitution; none is known from 0.5")
+
+    def __call__(self, block, impact):
+        e_n = jnp.where(self.e_n < 0.5, self.e_n, jnp.nan)
+        spin = impact.angular_velocity
+        return Rebound(
+            -e_n * impact.normal_velocity, 0.85 * impact.tangential_velocity, spin
+        )
+"""
+
+
+def test_ground_on_which_blocks_fail_explains_nothing(tmp_path, monkeypatch):
+    """That no block is seen below explains no ground on which all fail above."""
+    monkeypatch.setattr(predictive, "LEAST_BLOCKS", 20)
+    (tmp_path / "laws.py").write_text(BRITTLE)
+    text = SLOPE.replace('"constant coefficients"', '"laws.py:Brittle"')
+    text = text.replace("e_n = 0.35\ne_t = 0.85", "")
+    text += """
+[fit]
+data_sets = 200
+[fit.contacts]
+e_n = { from = 0.2, to = 0.7 }
+[observed]
+counts = [{ x_m = 57, passed = 0, of = 15 }]
+"""
+    (tmp_path / "slope.toml").write_text(text)
+    fit = read_slope_fit(tmp_path / "slope.toml")
+    lasting, failing = simulate_data_sets(fit, np.array([[0.3], [0.9]]), 15, stream=0)
+    assert np.all(np.isfinite(lasting[:, 0]))
+    assert np.all(lasting[:, -1] == 0.0)
+    assert np.all(np.isnan(failing[:, :-1]))
+    assert np.all(failing[:, -1] == 1.0)
+    found = calibrate_slope(tmp_path / "slope.toml")
+    # Three fifths of the prior.
+    assert found.searched.failed == pytest.approx(80, abs=30)
+    assert found.searched.without == 0
+    (parameter,) = found.posterior.fitted
+    assert parameter.high < 0.5
+    assert any("data sets most blocks failed" in line for line in warnings_of(found))
 
 
 def test_the_command_writes_a_report_and_goes_on_where_it_was(

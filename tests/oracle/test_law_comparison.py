@@ -54,6 +54,7 @@ from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.problem.config import Variant
 from jaximpact.calibration.report.comparison import verdict, worse_than_others
 from jaximpact.errors import InputError
+from jaximpact.laws import FluidityRate
 from jaximpact.laws.bearing import VesicWithInertia
 from jaximpact.parameters import parameter
 from jaximpact.rebound import AbstractRebound, Rebound
@@ -459,6 +460,21 @@ def test_groups_targets_and_refusals_are_named(tmp_path):
     assert len(lines) == 1 + 2 * 24 * 2
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"by": 3}, "by must be of type str or Iterable"),
+        ({"by": [3]}, "by names must be of type str, but is 3"),
+        ({"by": [["campaign"]]}, "by names must be of type str"),
+        ({"exact": "yes"}, "exact must be of type bool, but is 'yes' (str)"),
+    ],
+)
+def test_a_comparison_that_cannot_be_made(options, words):
+    with pytest.raises(InputError) as error:
+        compare(made_by(ConstantCoefficients(0.4, 0.8)), REBOUND[:1], **options)
+    assert_one_line(error.value, words)
+
+
 def test_a_law_of_ones_own_is_compared(tmp_path):
     tests = made_by(Fading(half_speed=jnp.asarray(8.0)))
     found = compare(tests, ["constant coefficients", Fading])
@@ -584,6 +600,22 @@ def test_values_of_laws_given_as_objects(law, name, column, value):
     assert len(contenders_of([Soil(dilatancy=0.5), Soil(dilatancy=1.0)], study)) == 2
     fitted = contenders_of([Soil(c_v=0.3)], study)[0]
     assert fitted.name == "usual laws"
+
+
+class Lagging(FluidityRate):
+    """A law of a user's own with a parameter that is small in its unit."""
+
+    permeability: jax.Array = parameter(
+        1e-9, "m/s", "(0, inf)", "permeability", usual=(1e-12, 1e-3)
+    )
+
+
+def test_small_values_of_laws_given_as_objects():
+    """Five times the default is another value, in whatever unit."""
+    laws = [Lagging(permeability=value) for value in (1e-9, 5e-9)]
+    same, other = contenders_of(laws, drops())
+    assert same.name == "flow Lagging"
+    assert other.name == "flow Lagging, permeability 5e-09"
 
 
 def test_points_of_a_curve_are_one_test(tmp_path):

@@ -2,6 +2,7 @@
 run-out."""
 
 import dataclasses
+import json
 
 import jax
 import jax.numpy as jnp
@@ -285,6 +286,35 @@ def test_a_table_is_read_as_it_was_written(of_sphere, tmp_path):
         read_table(path)
 
 
+def test_a_table_that_another_program_wrote_is_read_as_its_axes_say(
+    of_elongated, tmp_path
+):
+    """However they are ordered; with nodes that were left out, or turned, another value
+    would stand at each node."""
+    path = tmp_path / "table.nc"
+    write_table(path, of_elongated)
+    dataset = read_netcdf(path)
+    write_netcdf(path, dataset.transpose(*reversed(DIMENSIONS)))
+    read = read_table(path)
+    np.testing.assert_array_equal(read.entries, of_elongated.entries)
+    np.testing.assert_array_equal(read.outcomes, of_elongated.outcomes)
+    write_netcdf(path, dataset.isel(slope_deg=[1, 3]))
+    np.testing.assert_array_equal(
+        read_table(path).entries, of_elongated.entries[..., [1, 3], :]
+    )
+    for name, kept in (
+        ("total_speed_mps", [0, 1, 4]),
+        ("total_speed_mps", [0]),
+        ("elevation_deg", slice(1, None)),
+        ("azimuth_deg", slice(4, None)),
+        ("orientation_deg", slice(3)),
+        ("slope_deg", slice(None, None, -1)),
+    ):
+        write_netcdf(path, dataset.isel({name: kept}))
+        with pytest.raises(InputError, match=f"{name} that are not those of a table"):
+            read_table(path)
+
+
 def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_path):
     path = tmp_path / "table.csv"
     write_csv(path, of_elongated)
@@ -306,6 +336,41 @@ def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_pa
         blow.tangential_velocity[0] / float(impact.tangential_velocity[0]), rel=1e-4
     )
     assert (tmp_path / "table.csv.manifest.json").is_file()
+
+
+@pytest.mark.parametrize("orientations", [1, 5])
+def test_azimuths_for_other_programs_are_of_the_factor_in_the_manifest(
+    of_elongated, orientations, tmp_path
+):
+    """Written out as the page on tables does, with r and T of the major axis along the
+    normal."""
+    kept = slice(orientations)
+    table = dataclasses.replace(
+        of_elongated,
+        entries=of_elongated.entries[:, :, :, kept],
+        outcomes=of_elongated.outcomes[:, :, :, kept],
+    )
+    write_csv(tmp_path / "table.csv", table)
+    manifest = json.loads((tmp_path / "table.csv.manifest.json").read_text())
+    rows = [
+        row
+        for row in rows_of(tmp_path / "table.csv")
+        # In a vertical approach there is neither slip nor turning.
+        if float(row["orientation_deg"]) == 0.0 and float(row["elevation_deg"]) < 89.0
+    ]
+    assert len(rows) == table.outcomes[:, :-1, :, 0].size
+    columns = "speed_mps", "angle_deg", "angular_velocity_degps", "azimuth_deg"
+    speed, angle, spin, alpha = (
+        np.array([float(row[name]) for row in rows]) for name in columns
+    )
+    axes, omega = ELONGATED.semi_axes, np.radians(spin)
+    slip = speed * np.sin(np.radians(angle)) - float(axes.major) * omega
+    turning = omega * float(axes.minor)
+    expected = np.arctan2(turning, manifest["slip_factor"] * slip)
+    # From degrees and back; where nearly all is approach, slip is a small difference.
+    np.testing.assert_allclose(
+        np.exp(1j * np.radians(alpha)), np.exp(1j * expected), atol=1e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -340,6 +405,14 @@ def test_a_count_of_random_impacts_is_a_whole_number(of_sphere, count, message):
         measure_error(of_sphere, count)
 
 
+@pytest.mark.parametrize(
+    ("seed", "message"), [(-1, "must be at least 0"), ("a", "a whole number")]
+)
+def test_a_seed_of_random_impacts_is_a_whole_number(of_sphere, seed, message):
+    with pytest.raises(InputError, match=f"seed of random impacts .*{message}"):
+        random_impacts(of_sphere, 3, seed=seed)
+
+
 def test_impacts_that_a_table_does_not_have_are_no_failures_of_the_model(of_sphere):
     fast = 2.0 * float(of_sphere.speeds[-1])
     error = measure_error(of_sphere, Impact(speed=np.array([10.0, fast]), angle=0.3))
@@ -372,6 +445,16 @@ def test_the_derivative_at_a_vertical_impact_without_spin(of_sphere):
     step = 1e-4
     difference = (after(10.0 + step) - after(10.0 - step)) / (2.0 * step)
     assert float(jax.grad(after)(10.0)) == pytest.approx(float(difference), rel=1e-6)
+
+
+def test_the_derivative_of_a_block_at_rest(of_elongated):
+    """What does not close is left alone: v_n after is the speed by its cosine."""
+
+    def after(speed):
+        impact = Impact(speed=speed, angle=0.5, orientation=0.7)
+        return of_elongated(ELONGATED, impact).normal_velocity
+
+    assert float(jax.grad(after)(0.0)) == pytest.approx(np.cos(0.5), rel=1e-12)
 
 
 def test_rows_do_not_replace_what_is_no_manifest(of_sphere, tmp_path):

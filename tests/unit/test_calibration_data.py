@@ -332,6 +332,8 @@ def test_the_ground_of_the_table_is_in_the_head():
     study = study_of_columns(tests | {"dilatancy": [0.0, 1.0]}, soil={"beta": 0.8})
     told = _fixed_quantities(study)
     assert "Table 1 but for beta 0.8, psi 0.5, dilatancy 0 to 1." in told
+    told = _fixed_quantities(study_of_columns(tests, soil={"dilatancy": 1e-9}))
+    assert "Table 1 but for dilatancy 1e-09, psi 0.5." in told
 
 
 @pytest.mark.slow

@@ -19,6 +19,9 @@ from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline, scene_in_words
 from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
 from jaximpact.plotting.style import panels as panels_of
+from jaximpact.runout.back_analysis.drawing import draw_channel
+from jaximpact.runout.back_analysis.observed import ObservedValues
+from jaximpact.runout.back_analysis.predictive import ChannelPrediction
 
 PANELS = ["contact force", "penetration", "rotation", "energy", "side view, to scale"]
 
@@ -261,3 +264,17 @@ def test_residuals_of_a_target_that_is_predicted_to_be_zero_are_drawn():
     drawn = {line.get_label(): list(line.get_xdata()) for line in axes.lines}
     assert drawn["e_n"] == [1.0, 2.0]
     assert drawn["normal_force_N"] == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("blocks", [1, 3])
+def test_what_was_observed_of_one_block_is_drawn_too(blocks):
+    """A line of a single point would not be seen."""
+    values = 60.0 + np.arange(blocks)
+    predicted = np.sort(np.random.default_rng(0).uniform(55, 65, (20, blocks)), axis=1)
+    channel = ObservedValues("x_m", None, values)
+    (axes,) = draw_channel(ChannelPrediction(channel, predicted)).axes
+    (observed,) = (one for one in axes.lines if one.get_label() == "observed")
+    shares = observed.get_ydata()
+    assert (shares[0], shares[-1]) == (0.0, 1.0)
+    np.testing.assert_array_equal(np.unique(observed.get_xdata()), values)
+    assert np.sum(np.diff(shares) > 0.0) == blocks

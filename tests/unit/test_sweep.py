@@ -182,6 +182,8 @@ def test_a_set_on_one_ground_is_that_part_of_the_whole():
 def test_unknown_sets_and_grounds_are_refused():
     with pytest.raises(InputError, match="did you mean 'Table 1'"):
         parametric_set("I", "table 1")
+    with pytest.raises(InputError, match=r"ground must be of type str, .*ndarray"):
+        parametric_set("I", np.array([1, 2]))
     with pytest.raises(InputError, match="V is no parametric set; did you mean IV"):
         parametric_set("V")
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._checks import expect
 from ...errors import InputError, did_you_mean
 from ...progress import tell, within
 from ...scene_quantities import SHAPE
@@ -361,6 +362,7 @@ def _each_test(study: Study) -> Groups:
 
 
 def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
+    expect("by", by, str, Iterable, type(None))
     if by is None:
         labels = {CAMPAIGN: study.tests.labels[CAMPAIGN], SHAPE: study.tests.shapes}
         known = np.any(study.known, axis=1)
@@ -371,6 +373,7 @@ def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Group
 def _groups(study: Study, name: str) -> Groups:
     """Group the tests by a column. Raises InputError for one that is not there, or has
     one value alone."""
+    expect("a column that by names", name, str)
     tests = study.tests
     texts = tests.labels | {SHAPE: tests.shapes}
     if name in texts:

@@ -2,10 +2,9 @@
 
 import contextlib
 import dataclasses
+import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
-
-import numpy as np
 
 from ..._checks import expect
 from ...errors import InputError, did_you_mean
@@ -84,7 +83,8 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
             "my_laws.py:MyFlow", relative to the study) or as an object, which takes the
             place of the study's; a `Soil`, whose laws do, with what values of either
             are no defaults; a law of rebound by its words ("constant coefficients"),
-            its class or "my_laws.py:MyRebound". None for `default_contenders`.
+            its class or "my_laws.py:MyRebound", or as an object, whose values have no
+            effect: all of them are fitted. None for `default_contenders`.
 
     Raises InputError for a law that is unknown or stands twice.
     """
@@ -138,7 +138,8 @@ def _with_values(
     own = {
         name: value
         for name, value in of_soil.items()
-        if name not in taken and not np.isclose(value, columns[name].default, 1e-12)
+        if name not in taken
+        and not math.isclose(value, columns[name].default, rel_tol=1e-12)
     }
     words = (f"{name} {value:g}" for name, value in own.items())
     name = ", ".join([variant.name, *words])

@@ -143,7 +143,7 @@ def _fixed_quantities(study: Study) -> str:
         f"{name} {value:g}"
         for name, value in soil.items()
         if name not in INPUT_COLUMNS
-        or not np.isclose(value, INPUT_COLUMNS[name].default, rtol=1e-12)
+        or not math.isclose(value, INPUT_COLUMNS[name].default, rel_tol=1e-12)
     ]
     other += [
         f"{name} {_range(study.tests.inputs[name])}"

@@ -9,6 +9,9 @@ Summary statistics are alike for what was observed and what is simulated. Of sto
 points: quantiles, mean and standard deviation [m], and the share of the blocks observed
 that there are. Of values at a collector: the same of their logarithms. Of a count past
 a line: the logit of the share.
+
+Where a block failed nothing is known of where it would have gone: as in a run-out it is
+in no number. A data set is what the other blocks give, if they are most of them.
 """
 
 import dataclasses
@@ -58,7 +61,8 @@ def simulate_data_sets(
         `(data sets, blocks, 1 + 4 * places + 1)`: x where a block stopped [m]; at each
         place speed [m/s], height of the centre [m], kinetic energy [kJ] and height of
         the lowest point [m] at the first passage; 1 for a block that failed, else 0.
-        NaN for a block that does not stop, or does not come there.
+        NaN for a block that does not stop, or does not come there, and for all but the
+        last of a block that failed.
     """
     size = max(1, 4096 // blocks)  # as many blocks as keep the cores busy
     parts = [u[start : start + size] for start in range(0, len(u), size)]
@@ -109,7 +113,8 @@ def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarra
         _, first = first_passages(passages(runs, x, stretches), len(values))
         columns += [first.speed, first.centre_height, 1e-3 * first.energy]
         columns.append(first.lowest_height)
-    columns.append(runs.ending == Ending.failed)
+    failed = runs.ending == Ending.failed
+    columns = [*(np.where(failed, np.nan, column) for column in columns), failed]
     return np.stack(columns, axis=1).reshape(len(u), blocks, -1)
 
 
@@ -127,6 +132,15 @@ def _key(fit: SlopeFit, u: np.ndarray, blocks: int, stream: int, number: int) ->
         digest.update(parameter.key.encode())
     digest.update(np.ascontiguousarray(fit.values(u)).tobytes())
     return digest.hexdigest()
+
+
+MOST_FAILED = 0.5
+"""Fraction of failed blocks above which the others do not stand for all."""
+
+
+def mostly_failed(outcomes: np.ndarray) -> np.ndarray:
+    """Tell in which data sets most blocks failed, `(data sets,)`."""
+    return np.mean(outcomes[..., -1], axis=1) > MOST_FAILED
 
 
 PROBABILITIES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
@@ -149,7 +163,8 @@ def observed_summary(observed: Observations) -> np.ndarray:
     parts = []
     for channel in observed.fitted:
         if isinstance(channel, ObservedCount):
-            parts.append(_logit_of_share(np.array([channel.passed]), channel.blocks))
+            passed, blocks = np.array([channel.passed]), np.array([channel.blocks])
+            parts.append(_logit_of_share(passed, blocks))
         else:
             parts.append(_statistics(channel, channel.values[None]))
     return np.concatenate(parts, axis=1)[0]
@@ -161,22 +176,28 @@ def simulated_summaries(
     """Compute the summary statistics of simulated data sets, `(data sets, statistics)`.
 
     Each channel is of the first blocks that have a value, as many as were observed,
-    with errors of measurement, of a seed; NaN where a data set has none.
+    with errors of measurement, of a seed; NaN where a data set has none, or where most
+    of its blocks failed.
 
     Args:
         outcomes: result of `simulate_data_sets`, with passages at some places [m].
     """
     rng, parts = np.random.default_rng(seed), []
+    ended = outcomes[..., -1] == 0.0  # the others failed
+    # Each stands for more than one block of those released, where some failed.
+    stands_for = outcomes.shape[1] / np.maximum(np.sum(ended, axis=1), 1)
     for channel in observed.fitted:
         if isinstance(channel, ObservedCount):
-            released = outcomes[:, : channel.blocks]
+            first = ended & (np.cumsum(ended, axis=1) <= channel.blocks)
             column = column_of(places, channel.place, PASSAGE_COLUMNS[0])
-            passed = np.sum(np.isfinite(released[..., column]), axis=1)
-            parts.append(_logit_of_share(passed, channel.blocks))
+            passed = np.sum(first & np.isfinite(outcomes[..., column]), axis=1)
+            parts.append(_logit_of_share(passed, np.sum(first, axis=1)))
         else:
             values = measured(observed, channel, outcomes, places, rng)
-            parts.append(_statistics(channel, values))
-    return np.concatenate(parts, axis=1)
+            parts.append(_statistics(channel, values, stands_for))
+    summaries = np.concatenate(parts, axis=1)
+    summaries[mostly_failed(outcomes)] = np.nan
+    return summaries
 
 
 def measured(
@@ -199,13 +220,16 @@ def column_of(places: list[float], place: float, quantity: str) -> int:
     return 1 + PER_PLACE * places.index(place) + PASSAGE_COLUMNS.index(quantity)
 
 
-def _statistics(channel: ObservedValues, values: np.ndarray) -> np.ndarray:
+def _statistics(
+    channel: ObservedValues, values: np.ndarray, stands_for: np.ndarray | float = 1.0
+) -> np.ndarray:
     """Compute `STATISTICS` of the first finite values of each row, as many as were
-    observed."""
+    observed; each finite value stands for so many blocks."""
     if channel.place is not None:
         # Errors can be larger than a small value: what is measured is above 0.
         values = np.log(np.maximum(values, 1e-3))
     there = np.isfinite(values)
+    share = np.minimum(np.sum(there, axis=1) * stands_for / channel.blocks, 1.0)
     there &= np.cumsum(there, axis=1) <= channel.blocks
     values = np.sort(np.where(there, values, np.nan), axis=1)
     count = np.sum(there, axis=1)
@@ -219,11 +243,11 @@ def _statistics(channel: ObservedValues, values: np.ndarray) -> np.ndarray:
     mean = np.sum(filled, axis=1) / divisor
     apart = np.where(np.isfinite(values), values - mean[:, None], 0.0)
     spread = np.sqrt(np.sum(apart**2, axis=1) / divisor)
-    statistics = np.column_stack([quantiles, mean, spread, count / channel.blocks])
+    statistics = np.column_stack([quantiles, mean, spread, share])
     statistics[count == 0] = np.nan
     return statistics
 
 
-def _logit_of_share(passed: np.ndarray, blocks: int) -> np.ndarray:
+def _logit_of_share(passed: np.ndarray, blocks: np.ndarray) -> np.ndarray:
     # With half a block added on both sides, finite for none and for all.
     return np.log((passed + 0.5) / (blocks - passed + 0.5))[:, None]

@@ -60,8 +60,10 @@ def draw_channel(prediction: ChannelPrediction) -> Figure:
         low, middle, high = np.quantile(shares, (0.025, 0.5, 0.975), axis=0)
         axes.fill_between(x, low, high, color=BLUE, alpha=0.25, label="95 %")
         axes.plot(x, middle, color=BLUE, label="predicted")
-    steps = np.arange(1, len(observed) + 1) / len(observed)
-    axes.step(observed, steps, where="post", color=VERMILION, label="observed")
+    # From 0 on, so that the line is seen of one block too.
+    steps = np.arange(len(observed) + 1) / len(observed)
+    at = np.concatenate([observed[:1], observed])
+    axes.step(at, steps, where="post", color=VERMILION, label="observed")
     axes.set(xlabel=channel.words, ylabel="cumulative share", ylim=(0.0, 1.0))
     legend_outside(figure)
     return figure

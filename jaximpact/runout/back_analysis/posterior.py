@@ -9,7 +9,12 @@ from scipy.special import bdtr, expit, logit
 
 from ...errors import InputError
 from ...store import Store
-from .data_sets import observed_summary, simulate_data_sets, simulated_summaries
+from .data_sets import (
+    mostly_failed,
+    observed_summary,
+    simulate_data_sets,
+    simulated_summaries,
+)
 from .problem import SlopeFit, SlopeParameter
 from .regression import (
     Pool,
@@ -52,7 +57,8 @@ class Searched(NamedTuple):
     region: Region  # the last box
     volumes: list[float]  # prior probability of the box of each round
     simulated: int  # number of data sets simulated in all
-    without: int  # number of them that lack a channel of what was observed
+    failed: int  # number of them in which most blocks failed, left out
+    without: int  # number of others that lack a channel of what was observed
 
 
 def search(fit: SlopeFit, store: Store | None) -> Searched:
@@ -69,6 +75,7 @@ def search(fit: SlopeFit, store: Store | None) -> Searched:
     target = observed_summary(fit.observed)
     u, summaries = np.empty((0, dimension)), np.empty((0, len(target)))
     volumes: list[float] = []
+    failed = 0
     while True:
         number = len(volumes)
         volumes.append(region.volume)
@@ -87,13 +94,15 @@ def search(fit: SlopeFit, store: Store | None) -> Searched:
             )
             simulated = simulated_summaries(fit.observed, outcomes, fit.places, number)
             u, summaries = np.vstack([u, new]), np.vstack([summaries, simulated])
+            failed += int(np.sum(mostly_failed(outcomes)))
         valid = np.all(np.isfinite(summaries), axis=1)
         inside = region.holds(u) & valid
         if (enough := int(np.sum(inside))) < 100:
+            of_failed = f"; in {failed} most blocks failed" if failed else ""
             raise InputError(
                 f"only {enough} of {len(inside)} simulated data sets have what was "
-                "observed, a block that stops or one at each collector; check the "
-                "observations and the releases, or widen the priors",
+                f"observed, a block that stops or one at each collector{of_failed}; "
+                "check the observations and the releases, or widen the priors",
                 file=fit.path,
                 key="fit",
             )
@@ -101,8 +110,8 @@ def search(fit: SlopeFit, store: Store | None) -> Searched:
         smaller = _shrunk(pool, region)
         # Boxes that shrink hardly, or again and again, tell no more.
         if smaller.volume > 0.75 * region.volume or len(volumes) == 8:
-            without = int(np.sum(~valid))
-            return Searched(pool, region, volumes, len(u), without)
+            without = int(np.sum(~valid)) - failed
+            return Searched(pool, region, volumes, len(u), failed, without)
         region = smaller
 
 

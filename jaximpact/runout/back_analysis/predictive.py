@@ -42,7 +42,7 @@ class ModelCheck(NamedTuple):
     worst: str  # name of the observed summary that deviates most
     deviation: float
     """Deviation of that summary from the predicted mean, in predicted standard
-    deviations."""
+    deviations; infinite where what is predicted never varies, and is another."""
 
     @property
     def explained(self) -> bool:
@@ -135,13 +135,14 @@ def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
     if len(summaries) < 2:
         return ModelCheck(0.0, names[0], np.inf)
     mean, spread = np.mean(summaries, axis=0), np.std(summaries, axis=0)
+    rounding = 1e-9 * (1.0 + np.abs(mean))
+    spread = np.where(spread > rounding, spread, 0.0)
 
     def deviations(summary: np.ndarray) -> np.ndarray:
         apart = np.abs(summary - mean)
         # What never varies either agrees or cannot be.
-        same = apart <= 1e-9 * (1.0 + np.abs(mean))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(same, 0.0, apart / spread)
+            return np.where(apart <= rounding, 0.0, apart / spread)
 
     ours, theirs = deviations(observed), np.max(deviations(summaries), axis=1)
     worst = int(np.argmax(ours))
@@ -164,8 +165,6 @@ def _curve(
 ) -> Curve | None:
     """Count exceedances at a place; None where no block comes."""
     values = outcomes[..., column_of(fit.places, x, quantity)]
-    ended = outcomes[..., -1] == 0.0  # the others failed, and are no shares
-    values = np.where(ended, values, np.nan)
     there = np.isfinite(values)
     if not np.any(there):
         return None
@@ -173,7 +172,7 @@ def _curve(
     grid = np.linspace(0.0, np.max(values[there]), 101)
     grounds = [np.sort(row[np.isfinite(row)]) for row in values]
     counts = np.stack([len(g) - np.searchsorted(g, grid, "right") for g in grounds])
-    blocks = np.sum(ended, axis=1)
+    blocks = np.sum(outcomes[..., -1] == 0.0, axis=1)  # the others failed
     low, high = share_intervals_over_grounds(counts, blocks)
     design = {
         percent: (

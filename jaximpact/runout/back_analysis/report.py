@@ -8,6 +8,7 @@ import numpy as np
 from ..._packages import versions
 from ...io.files import by_name, write_text
 from ...io.output_files import NewFile
+from ...lookup import Tabulated
 from ...reports.document import Box, Document, Part, Picture, ReportSection
 from ...reports.json_tree import json_text
 from ...reports.tables import Table, at_x, interval_text, number_text, place_text
@@ -18,6 +19,7 @@ from ..study.barriers import (
     effect_table,
     estimate_table,
 )
+from .data_sets import MOST_FAILED
 from .observed import ObservedCount
 from .posterior import WIDE, FittedParameter
 from .predictive import RARE, SlopeCalibration
@@ -127,16 +129,28 @@ def warnings_of(result: SlopeCalibration) -> list[str]:
     fitted, lines = result.posterior.fitted, []
     check = result.predicted.check
     if not check.explained:
+        apart = f"lies {check.deviation:.3g} standard deviations from"
+        if not np.isfinite(check.deviation):
+            apart = "as observed never occurs in"
         lines.append(
-            f"The model does not explain the observations: {check.worst} lies "
-            f"{check.deviation:.3g} standard deviations from what the fitted ground "
-            "predicts. Check releases, blocks and data; do not rely on the intervals."
+            f"The model does not explain the observations: {check.worst} {apart} what "
+            "the fitted ground predicts. Check releases, blocks and data; do not rely "
+            "on the intervals."
+        )
+    if failed := result.searched.failed:
+        lines.append(
+            f"In {failed} of {result.searched.simulated} data sets most blocks failed: "
+            "they were left out, so that no ground like theirs can be found. Look for "
+            "a law or a table that does not reach so far."
         )
     if failed := result.predicted.failed:
+        others = "rest on the others, the fewer: do not use the fit"
+        if failed <= MOST_FAILED:
+            others = "are of the others"
         lines.append(
-            f"{100.0 * failed:.2g} % of the blocks failed on the fitted ground: they "
-            "are in no estimate, but the fit takes them for blocks that passed and did "
-            "not stop. Look for a law or a table that does not reach so far."
+            f"{100.0 * failed:.3g} % of the blocks failed on the fitted ground, and "
+            f"are in no number but this: all others {others}. Look for a law or a "
+            "table that does not reach so far."
         )
     for p in fitted:
         name = p.parameter.name
@@ -180,10 +194,13 @@ def _parameters(fitted: tuple[FittedParameter, ...]) -> Table:
 
 def _check(result: SlopeCalibration) -> str:
     check = result.predicted.check
+    apart = f"by {check.deviation:.3g} standard deviations"
+    if not np.isfinite(check.deviation):
+        apart = "and as observed never occurs in what the fitted ground predicts"
     return (
-        f"Of the summaries, {check.worst} deviates most, by {check.deviation:.3g} "
-        f"standard deviations; {100 * check.probability:.2g} % of predicted data sets "
-        "deviate as much somewhere. Percentiles below are those observed, and those of "
+        f"Of the summaries, {check.worst} deviates most, {apart}; "
+        f"{100 * check.probability:.3g} % of predicted data sets deviate as much "
+        "somewhere. Percentiles below are those observed, and those of "
         "predicted data sets of the same size with their 95 % intervals."
     )
 
@@ -259,11 +276,14 @@ def _how(result: SlopeCalibration) -> list[str]:
     sigma = fit.observed.sigma
     errors = ", ".join(f"{name} {value:g}" for name, value in sigma.items())
     smoothing = fit.slope.layout.smoothing
+    alone = ": no table or emulator stands in for it"
+    if isinstance(fit.slope.laws[0].contacts, Tabulated):
+        alone = ""  # the law is a table
     return [
         *([f"The profile is {smoothing}."] if smoothing else []),
         f"{searched.simulated} data sets of {fit.observed.released} blocks, and the "
-        f"predictions, were computed by {law}, from the first round to the last: no "
-        "table or emulator stands in for it.",
+        f"predictions, were computed by {law}, from the first round to the "
+        f"last{alone}.",
         f"{len(searched.volumes)} rounds, in parts of the prior of probability "
         f"{volumes}. The posterior is a regression of the parameters on summaries of "
         f"the {len(searched.pool.z)} data sets in the last part.",
