@@ -124,19 +124,16 @@ class LateResults(Protocol):
         ...
 
 
-def late_tracers(value: Tracer, results: LateResults, shapes: Sequence[tuple]) -> list:
-    """Make tracers for results of these shapes, in the derivative that a value is of
-    (`known_primals`).
+def late_tracers(value: Tracer, results: LateResults, count: int, shape: tuple) -> list:
+    """Make tracers for so many results of one shape, in the derivative that a value is
+    of (`known_primals`).
 
     Of an operation with many results JAX makes tracers of all, and asks all of them for
     a cotangent, which takes longer than an impact.
     """
     trace: Any = value._trace
-    kind = _late(type(value))
-    types = {shape: ShapedArray(shape, jnp.float64) for shape in {*shapes}}
-    return [
-        kind(trace, types[shape], results, place) for place, shape in enumerate(shapes)
-    ]
+    kind, type_ = _late(type(value)), ShapedArray(shape, jnp.float64)
+    return [kind(trace, type_, results, place) for place in range(count)]
 
 
 def change_of(value: Tracer) -> Any:

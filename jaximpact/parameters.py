@@ -82,6 +82,12 @@ class Declared(NamedTuple):
             return math.radians(self.default)
         return self.default * self.factor
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Lower and upper end of the range, in `unit`."""
+        lower, upper = (float(end) for end in self.range[1:-1].split(","))
+        return lower, upper
+
 
 def parameter(
     default: float | None,
@@ -121,9 +127,9 @@ def parameter(
             "three texts"
         )
     check_unit(call, unit)
-    lower, upper = _ends(call, range)
     value = math.nan if default is None else float(default)
     declared = Declared(value, unit, range, meaning, column or "", usual)
+    lower, upper = _checked_ends(call, declared)
     if default is None:
         return eqx.field(converter=float64_leaf, metadata={"declared": declared})
     above = default >= lower if range[0] == "[" else default > lower
@@ -137,17 +143,17 @@ def parameter(
     )
 
 
-def _ends(call: str, interval: str) -> tuple[float, float]:
+def _checked_ends(call: str, declared: Declared) -> tuple[float, float]:
+    interval = declared.range
     try:
         if interval[0] not in "([" or interval[-1] not in ")]":
             raise ValueError
-        lower, upper = (float(end) for end in interval[1:-1].split(","))
+        return declared.ends
     except (ValueError, IndexError):
         raise InputError(
             f"{call}: the range must be an interval as in '(0, inf)' or '[0, 1]', but "
             f"is {interval!r}"
         ) from None
-    return lower, upper
 
 
 @functools.cache
@@ -528,7 +534,7 @@ def _check(kind: type, name: str, value, owner: type | None = None) -> None:
 
 def _check_radians(place: str, declared: Declared, value) -> None:
     """Warn of angles that were likely given in degrees."""
-    ranges = _ends(place, declared.range), declared.usual
+    ranges = declared.ends, declared.usual
     largest = min(max(map(abs, ends)) for ends in ranges)
     size = np.max(np.abs(value), initial=0.0)
     if size > math.radians(largest) * (1.0 + 1e-9):

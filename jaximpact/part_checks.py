@@ -313,7 +313,7 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
 
 def _aspect_ratios(kind: type) -> np.ndarray:
     declared = declared_of(kind)["aspect_ratio"]
-    lower, upper = (float(end) for end in declared.range[1:-1].split(","))
+    lower, upper = declared.ends
     others = [ratio for ratio in ASPECT_RATIOS if lower < ratio < upper]
     return np.array([declared.si_default, *others])
 

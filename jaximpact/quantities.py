@@ -117,7 +117,7 @@ class InputColumn:
 
 
 def _column(part: str, field: str, declared: Declared) -> InputColumn:
-    lower, upper = (float(x) for x in declared.range[1:-1].split(","))
+    lower, upper = declared.ends
     return InputColumn(
         name=declared.column,
         part=part,

@@ -31,7 +31,7 @@ def results_of(
         columns: for each of them the derivatives of all rows with respect to it.
     """
     results = _Results(varied, rows, columns)
-    return late_tracers(varied[0], results, [row.shape for row in rows])
+    return late_tracers(varied[0], results, len(rows), rows.shape[1:])
 
 
 class _Results:

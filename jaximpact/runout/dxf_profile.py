@@ -362,15 +362,13 @@ def _in_words(point: np.ndarray) -> str:
 
 def _told(hidden: collections.Counter[str], layer: str | None) -> str:
     """Say that hidden lines are passed over, by the numbers on their layers."""
-    cure = (
-        ""
-        if layer is not None
-        else ", or let layer name the layer that is off or frozen"
-    )
-    return (
+    told = (
         "lines that are invisible, or on a layer that is off or frozen, are passed "
-        f"over ({_counted(hidden)}); show what is ground{cure}"
+        f"over ({_counted(hidden)}); show what is ground"
     )
+    if layer is not None:
+        return told
+    return f"{told}, or let layer name the layer that is off or frozen"
 
 
 def _counted(lines: collections.Counter[str]) -> str:

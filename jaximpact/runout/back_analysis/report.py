@@ -141,16 +141,14 @@ def warnings_of(result: SlopeCalibration) -> list[str]:
         lines.append(
             f"In {failed} of {result.searched.simulated} data sets most blocks failed: "
             "they were left out, so that no ground like theirs can be found. Look for "
-            "a law or a table that does not reach so far."
+            "a law or a table that has a value there."
         )
     if failed := result.predicted.failed:
-        others = "rest on the others, the fewer: do not use the fit"
-        if failed <= MOST_FAILED:
-            others = "are of the others"
+        most = "These are most blocks: do not use the fit. "
         lines.append(
             f"{100.0 * failed:.3g} % of the blocks failed on the fitted ground, and "
-            f"are in no number but this: all others {others}. Look for a law or a "
-            "table that does not reach so far."
+            f"are in no number but this. {most if failed > MOST_FAILED else ''}Look "
+            "for a law or a table that has a value there."
         )
     for p in fitted:
         name = p.parameter.name
