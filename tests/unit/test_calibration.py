@@ -12,7 +12,7 @@ from jaximpact.calibration.diagnostics.identifiability import combination, judge
 from jaximpact.calibration.diagnostics.jumps import in_words as jumps_in_words
 from jaximpact.calibration.diagnostics.jumps import judge, shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.branches import jump_shares, jumped
+from jaximpact.calibration.estimation.branches import has_left, jump_shares
 from jaximpact.calibration.estimation.evolution import Population, search, spread
 from jaximpact.calibration.estimation.least_squares import (
     Fits,
@@ -613,7 +613,7 @@ def test_a_prediction_that_bends_does_not_jump():
     objective = Bending(straight.study, matrix=straight.matrix)
     fit = objective(np.array([[0.5, 0.5]]))
     draws = objective.values(fit.x + 0.3 * np.eye(2))
-    assert np.all(jumped(objective, fit, draws)[:, 0])
+    assert np.all(has_left(objective, fit, draws)[:, 0])
     np.testing.assert_array_equal(jump_shares(objective, fit), 0.0)
 
 

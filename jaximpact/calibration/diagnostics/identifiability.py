@@ -24,7 +24,6 @@ from ..estimation.least_squares import ROUGH, Fits
 from ..estimation.search import fit
 from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
-from .priors import Disagreement
 from .uncertainty import USELESS_ERROR, Uncertainty
 
 NEAR = (1.0, 2.0, 3.0)
@@ -299,7 +298,7 @@ def judge_all(
     uncertainty: Uncertainty,
     profiles: dict[str, LikelihoodProfile],
     ends: Fits,
-    contradicted: dict[str, Disagreement],
+    contradicted: dict[str, str],
     *,
     of_draws: bool = False,
 ) -> list[Verdict]:
@@ -308,7 +307,7 @@ def judge_all(
     Args:
         best: the reported fit, of one lane.
         ends: ends of the fits from all starts.
-        contradicted: priors that the tests contradict, by parameter.
+        contradicted: how priors contradict the tests, in words by parameter.
         of_draws: whether the uncertainty is that of draws of the posterior, which has a
             meaning where the fit is no minimum too.
     """
@@ -322,9 +321,8 @@ def judge_all(
     verdicts = []
     for place, parameter in enumerate(objective.study.parameters):
         error, reasons = float(uncertainty.standard_errors[place]), []
-        against = contradicted.get(parameter.name)
-        if against is not None:
-            reasons.append(against.words)
+        if against := contradicted.get(parameter.name):
+            reasons.append(against)
         if bound := reached[place]:
             value = getattr(bounds, bound)[place]
             reasons.append(f"the fit is at its {bound} bound, {value:g}")
@@ -338,7 +336,7 @@ def judge_all(
             others_too = partners(objective, uncertainty, place)
             reasons.append(_large_error(error, others_too))
         no_news = prior[place] > 0.0 and error > 0.9 / np.sqrt(prior[place])
-        if no_news and against is None:
+        if no_news and not against:
             reasons.append("the tests add no information to its prior")
         if profile := profiles.get(parameter.name):
             reasons += _of_profile(profile, bool(reasons))
@@ -351,8 +349,8 @@ def judge_all(
                 f"fits of equal cost ended between {np.min(values):.3g} and "
                 f"{np.max(values):.3g}"
             )
-        words, is_against = "; ".join(reasons), against is not None
-        verdicts.append(Verdict(parameter.name, not reasons, words, is_against))
+        words = "; ".join(reasons)
+        verdicts.append(Verdict(parameter.name, not reasons, words, bool(against)))
     return verdicts
 
 

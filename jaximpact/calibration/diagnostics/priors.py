@@ -12,8 +12,6 @@ estimated from residuals that the prior causes, they are so wide that nothing
 contradicts it.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ...progress import within
@@ -28,17 +26,9 @@ LEAST = 3.0
 estimated, from the 95 % quantile of Student's distribution if that is more."""
 
 
-class Disagreement(NamedTuple):
-    """Disagreement of the prior of a parameter and the tests."""
-
-    deviations: float
-    """Distance of both, in standard deviations."""
-    words: str
-    """The same in words, with what the tests give without the prior."""
-
-
-def disagreements(objective: Objective, best: Fits) -> dict[str, Disagreement]:
-    """Find the priors of the soil's parameters that the tests contradict, by name.
+def disagreements(objective: Objective, best: Fits) -> dict[str, str]:
+    """Find the priors of the soil's parameters that the tests contradict, by name: the
+    distance of both in words, with what the tests give without the prior.
 
     Args:
         best: the reported fit, of one lane.
@@ -48,13 +38,14 @@ def disagreements(objective: Objective, best: Fits) -> dict[str, Disagreement]:
         if parameter.prior is None:
             continue
         with within(f"without the prior of {parameter.name}, "):
-            disagreement = _disagreement(objective, best, place)
-        if disagreement is not None:
-            found[parameter.name] = disagreement
+            words = _disagreement(objective, best, place)
+        if words:
+            found[parameter.name] = words
     return found
 
 
-def _disagreement(objective: Objective, best: Fits, place: int) -> Disagreement | None:
+def _disagreement(objective: Objective, best: Fits, place: int) -> str:
+    """Say how a prior and the tests disagree; empty where they do not."""
     x = best.points.x[0]
     free = objective.without_prior(place)
     free, alone = settle(free, fit_along(free, x), fit_along)
@@ -65,15 +56,14 @@ def _disagreement(objective: Objective, best: Fits, place: int) -> Disagreement 
     rise = np.min(ends.points.cost) - inflated.points.cost[0]
     deviations = float(np.sqrt(max(2.0 * rise, 0.0)))
     if deviations < max(LEAST, of_tests.quantile[place]):
-        return None
+        return ""
     there, bounds = alone.points.x[0], objective.bounds
     given = f"{bounds.parameter(there)[place]:.3g}"
     error = of_tests.standard_errors[place]
     if error <= USELESS_ERROR:
         given += f" +- {error * bounds.slope(there)[place]:.2g}"
     mean, sd = objective.prior_mean[place], objective.prior_sd[place]
-    words = (
+    return (
         f"its prior, {mean:g} +- {sd:g}, and the tests disagree by {deviations:.2g} "
         f"standard deviations: without the prior they give {given}"
     )
-    return Disagreement(deviations, words)

@@ -30,22 +30,10 @@ MEDIAN = 0.455
 """Median of the square of a standard normal number."""
 
 
-def jumped(objective: Objective, fit: Points, points: Points) -> np.ndarray:
-    """Find the tests whose predictions at points have left their branch at a fit (one
-    lane, with derivatives), shape (lanes, tests); one that is missing in one of both
-    has left it."""
-    return np.any(_jumped_cells(objective, fit, points), axis=2)
-
-
-def _jumped_cells(objective: Objective, fit: Points, points: Points) -> np.ndarray:
-    """Find the measured predictions that have left their branch at a fit, shape (lanes,
-    tests, targets)."""
-    return has_left(objective, fit, points) & objective.study.known
-
-
 def has_left(objective: Objective, fit: Points, points: Points) -> np.ndarray:
-    """Find the predictions that have left their branch at a fit, measured or not, shape
-    (lanes, tests, targets).
+    """Find the predictions that have left their branch at a fit (one lane, with
+    derivatives), measured or not, shape (lanes, tests, targets); one that is missing in
+    one of both has left it.
 
     Args:
         points: of which `x` and `predicted` are used.
@@ -106,7 +94,7 @@ def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
         rest = objective.without(near)
         root = error_root(rest, rest.reevaluate(fit))
         draws = rest.values(draws_about(objective, fit, root, DRAWS))
-        beyond = _jumped_cells(objective, fit, draws)
+        beyond = has_left(objective, fit, draws) & objective.study.known
         share = np.mean(is_abrupt(objective, fit, draws, beyond), axis=0)
         if not np.any((share > NEAR) & ~near):
             break
