@@ -286,9 +286,8 @@ def read_tests(paths: list[Path], base: Scene) -> Measurements:
     Args:
         base: laws, and the shape of tests whose file does not say it.
     """
-    return joined_tables(
-        tuple(read_table(path, measured=True, base=base) for path in paths)
-    )
+    tables = (read_table(path, measured=True, base=base) for path in paths)
+    return joined_tables(tuple(tables))
 
 
 def joined_tables(files: tuple[SceneTable, ...]) -> Measurements:
@@ -351,36 +350,27 @@ def _with_curves(table: SceneTable) -> SceneTable:
     sizes = [len(curve.rows) for curve in curves.values()]
     row_of = np.concatenate([np.arange(count), np.repeat([*curves], sizes)])
     results = TIME_COLUMN, *TARGET_COLUMNS, *SIGMA_COLUMNS
+    tables = (table, *curves.values())
 
-    def column(name: str) -> np.ndarray:
-        of_rows = table.numbers.get(name, np.full(count, np.nan))
-        if name not in results:
-            return of_rows[row_of]
-        points = [
-            curve.numbers.get(name, np.full(len(curve.rows), np.nan))
-            for curve in curves.values()
-        ]
-        return np.concatenate([of_rows, *points])
+    def joined(name: str, of_table: str = "numbers", filling=np.nan) -> np.ndarray:
+        columns = [(getattr(one, of_table), len(one.rows)) for one in tables]
+        parts = [of.get(name, np.full(count, filling)) for of, count in columns]
+        return np.concatenate(parts)
 
     names = dict.fromkeys((*table.numbers, TIME_COLUMN))
-    names |= dict.fromkeys(n for c in curves.values() for n in c.numbers)
+    names |= dict.fromkeys(name for one in tables for name in one.numbers)
     base, shape = table.base, table.base.block.shape
     if isinstance(shape, MixedShapes):
         base = with_shapes(base, [shape.kinds[int(shape.index[r])] for r in row_of])
-    measured = dict.fromkeys(n for n in names if n in TARGET_COLUMNS)
-
-    def signs(name: str) -> np.ndarray:
-        of_all = (table, *curves.values())
-        none = (np.zeros(len(one.rows), int) for one in of_all)
-        each = zip(of_all, none, strict=True)
-        return np.concatenate([one.censored.get(name, zeros) for one, zeros in each])
-
     return dataclasses.replace(
         table,
         rows=[table.rows[row] for row in row_of],
         lines=table.lines[row_of],
-        numbers={name: column(name) for name in names},
-        censored={name: signs(name) for name in measured},
+        numbers={
+            name: joined(name) if name in results else table.numbers[name][row_of]
+            for name in names
+        },
+        censored={n: joined(n, "censored", 0) for n in names if n in TARGET_COLUMNS},
         labels={n: [texts[row] for row in row_of] for n, texts in table.labels.items()},
         base=base,
         beside=tuple({curve.path: curve for curve in curves.values()}.values()),
