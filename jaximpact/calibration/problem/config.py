@@ -371,26 +371,21 @@ def _check_in_study_alone(key: Key, tests: Measurements, name: str) -> None:
 def _check_fitted_once(top, tests, parameters, nuisances, fixed, variants) -> None:
     """Raise InputError for a soil value that is stated twice."""
     data = " or ".join(tests.file_names.values())
-    toml = (
-        ("soil", fixed),
-        *((f"variants[{i}]", v.soil) for i, v in enumerate(variants, 1)),
-    )
+    of_variants = [(f"variants[{i}]", v.soil) for i, v in enumerate(variants, 1)]
+    toml = ("soil", fixed), *of_variants
     for parameter in parameters:
         for place, values in (*toml, (data, tests.inputs)):
             if parameter.name in values:
                 raise top["parameters"][parameter.name].error(
                     f"is fitted, but stands in {place} too; remove one"
                 )
-    fitted = {parameter.name for parameter in parameters}
+    fitted = "under parameters", [parameter.name for parameter in parameters]
+    beside = fitted, *((f"in {place}", values) for place, values in of_variants)
     for nuisance in nuisances:
-        if nuisance.name in fitted:
-            raise top["nuisance"][nuisance.name].error(
-                "stands under parameters too; remove one"
-            )
-        for place, values in toml[1:]:
-            if nuisance.name in values:
+        for where, names in beside:
+            if nuisance.name in names:
                 raise top["nuisance"][nuisance.name].error(
-                    f"stands in {place} too; remove one"
+                    f"stands {where} too; remove one"
                 )
     for where, values in toml:
         for name in values:
