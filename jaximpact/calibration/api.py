@@ -1,5 +1,6 @@
 """Calibration and prediction in one call each: tests in, soil parameters out."""
 
+import contextlib
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -479,7 +480,12 @@ def fit_and_examine(
         # Before the fit, which takes its time.
         check_comparison(study, stated.laws, stated.by)
 
-    def computed() -> tuple:
+    directory = contextlib.nullcontext()
+    if out_dir is not None:
+        directory = study_directory(
+            study, out_dir, posterior=posterior, compared=compare
+        )
+    with directory as new:
         result = fit_study(study)
         examined = examine(result, posterior=posterior)
         with within("simple laws: "):
@@ -489,13 +495,7 @@ def fit_and_examine(
                 study, stated.laws, by=stated.by, fits=result.variants
             )
             others = others._replace(compared=compared)
-        return result, examined, others
-
-    if out_dir is None:
-        return computed()
-    directory = study_directory(study, out_dir, posterior=posterior, compared=compare)
-    with directory as new:
-        result, examined, others = computed()
-        tell("drawing")
-        write_all(result, examined, new, others)
+        if new is not None:
+            tell("drawing")
+            write_all(result, examined, new, others)
     return result, examined, others
