@@ -139,13 +139,6 @@ NO_OTHERS = OtherLaws()
 
 def check_comparison(
     study: Study, laws: Iterable[Law] | None, by: str | Sequence[str] | None
-) -> None:
-    """Raise InputError for laws or columns that `compare_study` would refuse."""
-    _checked(study, laws, by)
-
-
-def _checked(
-    study: Study, laws: Iterable[Law] | None, by: str | Sequence[str] | None
 ) -> tuple[list[Contender], Study]:
     """Return the laws, and the study with the targets that laws of rebound predict if
     there are any. Raises InputError for laws or columns that cannot be used."""
@@ -181,7 +174,7 @@ def compare_study(
     Raises InputError for laws or columns that cannot be used, and where no law can be
     fitted.
     """
-    contenders, of_rebound = _checked(study, laws, by)
+    contenders, of_rebound = check_comparison(study, laws, by)
     common = of_rebound.targets
     found, refused = [], {}
     for contender, told in _in_turn(contenders, study, fits):
@@ -353,12 +346,9 @@ def _scored(one: LawLeftOut, study: Study, named: int) -> ScoredLaw:
 
 
 def _all_groups(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
-    return [_each_test(study), *_groups_left_out(study, by)]
-
-
-def _each_test(study: Study) -> Groups:
     group, measured = study.each_test()
-    return TEST, tuple(study.tests.name(int(test)) for test in measured), group
+    names = tuple(study.tests.name(int(test)) for test in measured)
+    return [(TEST, names, group), *_groups_left_out(study, by)]
 
 
 def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:

@@ -78,13 +78,8 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
     """Resolve the laws that a user names.
 
     Args:
-        laws: each "model"; one of `GROUNDS`, such as "model with cohesion", which is
-            then fitted too; a law of the ground by its name ("FluidityRate",
-            "my_laws.py:MyFlow", relative to the study) or as an object, which takes the
-            place of the study's; a `Soil`, whose laws do, with what values of either
-            are no defaults; a law of rebound by its words ("constant coefficients"),
-            its class or "my_laws.py:MyRebound", or as an object, whose values have no
-            effect: all of them are fitted. None for `default_contenders`.
+        laws: as for `compare`; files are relative to the study. None for
+            `default_contenders`.
 
     Raises InputError for a law that is unknown or stands twice.
     """
@@ -164,18 +159,12 @@ def _named(text: str, study: Study) -> list[Contender]:
         known.append(law.words)
     if ":" in text:
         return [_from_file(text, study)]
-    for slot, kind in _laws_of_ground():
-        if _folded(text) == _folded(kind.__name__):
-            return [_contender(_replacing(study.variants[0], slot, kind()))]
-        known.append(kind.__name__)
-    raise InputError(f"law {text!r} is unknown; {did_you_mean(text, known, repr)}")
-
-
-def _laws_of_ground() -> Iterator[tuple[str, type[Part]]]:
-    """Return the slots of the soil, each with every law of the package for it."""
     for slot in SOIL_SLOTS:
         for kind in shipped_parts(slot):
-            yield slot, kind
+            if _folded(text) == _folded(kind.__name__):
+                return [_contender(_replacing(study.variants[0], slot, kind()))]
+            known.append(kind.__name__)
+    raise InputError(f"law {text!r} is unknown; {did_you_mean(text, known, repr)}")
 
 
 def _from_file(text: str, study: Study) -> Contender:
