@@ -26,8 +26,8 @@ from .comparison.comparison import Compared, ScoredLaw, compare_study
 from .comparison.contenders import Law
 from .comparison.fitted_law import LawPrediction, predict_law
 from .diagnostics.predictive import Predictive
-from .diagnostics.uncertainty import CONFIDENCE
-from .prediction import check_laws, check_not_fitted, with_ground_of_fit
+from .diagnostics.uncertainty import TAIL
+from .prediction import check_laws, with_ground_of_fit
 from .problem.dataset import Measurements, joined_tables
 from .problem.laws import scene_of
 from .problem.nuisance import entries_of, open_nuisances
@@ -100,20 +100,20 @@ class StackedPrediction(NamedTuple):
 def predict_stacked(compared: Compared, tests: Measurements) -> StackedPrediction:
     """Predict tests with every law, and with all of them by their weights."""
     study = compared.study
-    path, shape = tests.files[0].path, (len(tests), len(study.targets))
-    check_laws(study.parts, tests, path)
-    more = [name for law in compared.laws for name in law.contender.more]
-    fitted = [one.name for one in (*study.parameters, *study.tied)]
-    check_not_fitted((*fitted, *more), tests, path)
-    tests = tests.with_inputs(study.block)
-    said = *study.soil, *(name for one in study.variants for name in one.soil)
-    known = {*fitted, *more, *(one.name for one in study.nuisances), *said}
+    shape = len(tests), len(study.targets)
+    check_laws(study.parts, tests)
     columns = study.tests.inputs.items()
-    ranges = {name: (np.min(v), np.max(v)) for name, v in columns}
-    tests = with_ground_of_fit(tests, ranges, known, path)
+    tests = with_ground_of_fit(
+        tests,
+        study,
+        study.variants,
+        {name: (np.min(v), np.max(v)) for name, v in columns},
+        nuisances=[one.name for one in study.nuisances],
+        more=[name for law in compared.laws for name in law.contender.more],
+    )
     new = dataclasses.replace(
         study,
-        path=path,
+        path=tests.files[0].path,
         tests=tests,
         nuisances=open_nuisances(
             entries_of(study.nuisances, study.tests), tests, study.soil
@@ -127,11 +127,10 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
         for law in compared.laws
     )
     quantiles = np.full((3, *shape), np.nan)
-    tail = (1.0 - CONFIDENCE) / 2.0
     for cell in np.ndindex(*shape):
         mixture = _mixture(laws, compared.weights, cell)
         if mixture is not None:
-            quantiles[:, *cell] = [mixture.quantile(p) for p in (0.5, tail, 1.0 - tail)]
+            quantiles[:, *cell] = [mixture.quantile(p) for p in (0.5, TAIL, 1.0 - TAIL)]
     return StackedPrediction(tests, study.targets, laws, compared.weights, *quantiles)
 
 

@@ -12,7 +12,7 @@ A nuisance parameter of a group that the fit knows has the fit's values; that of
 group is sampled from its prior, once for each group and draw.
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,15 +30,14 @@ from .comparison.fitted_law import LawPrediction, predict_simple
 from .diagnostics.discrepancy import freedom_of_sum
 from .diagnostics.predictive import Predictive, predictive
 from .diagnostics.residuals import rms
-from .diagnostics.uncertainty import CONFIDENCE
+from .diagnostics.uncertainty import TAIL
 from .fitted_ground import FittedGround, FittedVariant, ground_of_tests
-from .problem.config import Study
+from .problem.config import Study, Variant
 from .problem.dataset import Measurements
 from .problem.forward_model import ForwardModel, models_of
 from .problem.nuisance import open_nuisances
 from .problem.objective import Objective
 
-TAIL = (1.0 - CONFIDENCE) / 2.0
 OF_MODEL = {"model_low": TAIL, "model_high": 1.0 - TAIL}
 OF_MEASUREMENT = {
     "middle": 0.5,
@@ -149,15 +148,13 @@ def predict_tests(
 
 def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     """Make a study of new tests with the parameters of a fit; it is not fitted."""
+    variants = tuple(fitted.variant for fitted in ground.variants)
+    for variant in variants:
+        check_laws({**ground.parts, **variant.laws}, tests)
+    tests = with_ground_of_fit(
+        tests, ground, variants, ground.ranges, nuisances=ground.nuisances
+    )
     path = tests.files[0].path
-    for fitted in ground.variants:
-        check_laws({**ground.parts, **fitted.variant.laws}, tests, path)
-    tests = tests.with_inputs(ground.block)
-    fitted = [p.name for p in (*ground.parameters, *ground.tied)]
-    check_not_fitted(fitted, tests, path)
-    said = *ground.soil, *(n for one in ground.variants for n in one.variant.soil)
-    known = {*fitted, *ground.nuisances, *said}
-    tests = with_ground_of_fit(tests, ground.ranges, known, path)
     targets = (*ground.targets, *(n for n in tests.measured if n not in ground.targets))
     nothing = np.full(len(tests), np.nan)
     measured = [tests.measured.get(name, nothing) for name in targets]
@@ -170,7 +167,7 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         tied=ground.tied,
         nuisances=open_nuisances(
             ground.nuisances,
-            tests.with_laws(ground.variants[0].variant.laws),
+            tests.with_laws(variants[0].laws),
             ground.soil,
         ),
         soil=ground.soil,
@@ -183,40 +180,46 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         weights=np.ones(len(targets)),
         seed=ground.seed,
         accuracy=ground.accuracy,
-        variants=tuple(fitted.variant for fitted in ground.variants),
+        variants=variants,
         parts=tests.parts,
         block=ground.block,
     )
 
 
-def check_not_fitted(names: Iterable[str], tests: Measurements, path: Path) -> None:
-    """Raise InputError where tests state what was fitted."""
-    for name in names:
+def with_ground_of_fit(
+    tests: Measurements,
+    fit: Study | FittedGround,
+    variants: Iterable[Variant],
+    ranges: Mapping[str, tuple[float, float]],
+    *,
+    nuisances: Iterable[str],
+    more: Iterable[str] = (),
+) -> Measurements:
+    """Give tests the quantities of block and ground that they do not state, as the
+    fitted tests have them.
+
+    Args:
+        ranges: smallest and largest value of columns in the fitted tests.
+        nuisances: names of the nuisance parameters of the fit.
+        more: names of what was fitted beside its parameters.
+
+    Raises InputError for what was fitted, and cannot be stated, and for a quantity that
+    differs between the fitted tests, and must be.
+    """
+    path = tests.files[0].path
+    fitted = [*(one.name for one in (*fit.parameters, *fit.tied)), *more]
+    for name in fitted:
         if name in tests.inputs:
             raise InputError(
                 "was fitted, and cannot be given with the tests; remove it",
                 file=path,
                 column=name,
             )
-
-
-def with_ground_of_fit(
-    tests: Measurements,
-    ranges: Mapping[str, tuple[float, float]],
-    known: Collection[str],
-    path: Path,
-) -> Measurements:
-    """Give tests the quantities of the ground that they do not state, as the table of
-    the fitted tests has them.
-
-    Args:
-        ranges: smallest and largest value of columns in the fitted tests.
-        known: names of what the fit knows otherwise.
-
-    Raises InputError for a quantity that differs between the fitted tests.
-    """
+    tests = tests.with_inputs(fit.block)
+    said = *fit.soil, *(name for variant in variants for name in variant.soil)
+    known = {*fitted, *nuisances, *said, *tests.inputs}
     columns = {n: c for n, c in tests.known_columns.items() if c.part == "soil"}
-    shared, differing = ground_of_tests(ranges, columns, {*known, *tests.inputs})
+    shared, differing = ground_of_tests(ranges, columns, known)
     for name, (low, high) in differing.items():
         raise InputError(
             f"has no column {name}, which is {low:g} to {high:g} in the fitted tests",
@@ -225,7 +228,7 @@ def with_ground_of_fit(
     return tests.with_inputs(shared)
 
 
-def check_laws(parts: Mapping[str, Part], tests: Measurements, path: Path) -> None:
+def check_laws(parts: Mapping[str, Part], tests: Measurements) -> None:
     """Raise InputError where the tests name another law than those of the fit, which
     are the usual ones where `parts` has none."""
     for slot in sorted(tests.slots - {SHAPE}):
@@ -234,7 +237,7 @@ def check_laws(parts: Mapping[str, Part], tests: Measurements, path: Path) -> No
         if name_of(named) != name_of(law):
             raise InputError(
                 f"is {named.__name__}, but the fit was made with {law.__name__}",
-                file=path,
+                file=tests.files[0].path,
                 column=slot,
             )
 

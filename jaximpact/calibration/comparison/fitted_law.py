@@ -19,13 +19,13 @@ from ..diagnostics.discrepancy import (
 from ..diagnostics.posterior import variances
 from ..diagnostics.predictive import Predictive, predictive
 from ..diagnostics.uncertainty import (
-    CONFIDENCE,
+    TAIL,
     Uncertainty,
     estimate,
     regular_covariance,
 )
 from ..estimation.sigma import (
-    freedom_of_targets,
+    freedom_of_sigmas,
     median_sigma,
     relative_sigma,
     sigma_factors,
@@ -191,11 +191,7 @@ def law_fit(name: str, objective: Objective, points: Points) -> LawFit:
         targets=study.targets,
         sigma=sigma * np.sqrt(uncertainty.inflation),
         least_size=np.where(study.proportional, study.least_size, np.inf),
-        freedom=np.where(
-            study.sigma_given,
-            np.inf,
-            np.maximum(freedom_of_targets(objective, points), 1.0),
-        ),
+        freedom=freedom_of_sigmas(objective, points),
         discrepancy=estimate_discrepancy(objective, points, uncertainty),
         given=study.sigma_given | np.isin(study.targets, study.understated),
         inflation=np.array(
@@ -232,10 +228,10 @@ class LawPrediction(NamedTuple):
 
     def interval(self, test: int, target: int) -> tuple[float, float]:
         """Compute the 95 % interval of one measurement; NaN where there is none."""
-        distribution, tail = self.distribution(test, target), (1.0 - CONFIDENCE) / 2.0
+        distribution = self.distribution(test, target)
         if distribution is None:
             return np.nan, np.nan
-        return distribution.quantile(tail), distribution.quantile(1.0 - tail)
+        return distribution.quantile(TAIL), distribution.quantile(1.0 - TAIL)
 
 
 def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPrediction:

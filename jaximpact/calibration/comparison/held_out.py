@@ -41,7 +41,7 @@ from ..diagnostics.posterior import root_of, variances
 from ..diagnostics.predictive import NORMAL_FROM
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.branches import draws_about, has_left, is_abrupt
-from ..estimation.sigma import estimate_sigma, freedom_of_targets
+from ..estimation.sigma import estimate_sigma, freedom_of_sigmas
 from ..problem.objective import Objective, Points
 
 MISSED_BY = 10.0
@@ -113,9 +113,7 @@ def _predict(fitted: Rest, sets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     variance = variances(points.jacobian[0, tests], covariance)
     noise = rest.sigma[tests] * np.sqrt(uncertainty.inflation)
     deviation = np.sqrt(rest.sigma[tests] ** 2 * uncertainty.inflation + variance)
-    freedom = np.where(
-        study.sigma_given, np.inf, np.maximum(freedom_of_targets(rest, points), 1.0)
-    )
+    freedom = freedom_of_sigmas(rest, points)
     # `without` has taken the measurements away.
     measured = np.stack([study.tests.measured[n] for n in study.targets], axis=1)[tests]
     known, censored = np.isfinite(measured), study.censored[tests]

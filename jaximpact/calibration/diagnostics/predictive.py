@@ -19,7 +19,7 @@ from scipy.special import ndtr, ndtri, stdtr, stdtrit
 from ...quantities import NEVER_NEGATIVE
 from ..problem.objective import Objective
 from .posterior import Draws
-from .uncertainty import CONFIDENCE
+from .uncertainty import TAIL
 
 # Not scipy.stats, which takes 0.6 s to import.
 
@@ -137,7 +137,6 @@ def bands_of(
         freedom: degrees of freedom from which the sigma of each target was estimated,
             shape (targets,); infinite where it was given.
     """
-    tail = (1.0 - CONFIDENCE) / 2.0
     there = np.isfinite(draws.predicted)
     weights = np.where(there, weights[:, None, None], 0.0)
     total = np.sum(weights, axis=0)
@@ -150,8 +149,8 @@ def bands_of(
     middle[..., positive], spread[..., positive] = scaled
     known = np.full(len(freedom), np.inf)
     rows = [
-        *(_quantile(values, share, 0.0, known, p) for p in (tail, 0.5, 1.0 - tail)),
-        *(_quantile(middle, share, spread, freedom, p) for p in (tail, 1.0 - tail)),
+        *(_quantile(values, share, 0.0, known, p) for p in (TAIL, 0.5, 1.0 - TAIL)),
+        *(_quantile(middle, share, spread, freedom, p) for p in (TAIL, 1.0 - TAIL)),
     ]
     for row in rows[3:]:
         row[:, positive] = np.exp(row[:, positive])

@@ -53,6 +53,8 @@ from .posterior import Draws
 USELESS_ERROR = 1.0
 """Standard error in x above which a parameter is not identifiable."""
 CONFIDENCE = 0.95
+TAIL = (1.0 - CONFIDENCE) / 2.0
+"""Probability beyond either end of an interval."""
 LEAST_LEFT = 0.1
 """Least 1 - leverage: a measurement that alone rules the fit has no residual."""
 MANY = 20.0

@@ -117,6 +117,13 @@ def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
     return np.sum(exact, axis=0) - np.sum(used_up, axis=0)
 
 
+def freedom_of_sigmas(objective: Objective, points: Points) -> np.ndarray:
+    """Compute the degrees of freedom from which each sigma was estimated, shape
+    (targets,), 1 at least; infinite where it was given."""
+    freedom = np.maximum(freedom_of_targets(objective, points), 1.0)
+    return np.where(objective.study.sigma_given, np.inf, freedom)
+
+
 def sharing_scale(study: Study, freedom: np.ndarray) -> list[np.ndarray]:
     """List the targets, by index, whose sigmas are estimated by one factor: each with a
     degree of freedom alone, all others together."""
