@@ -35,6 +35,8 @@ in generations of its search; both measured on the studies of the project."""
 SHORT = 2.0
 """Seconds that a law of rebound takes, or one that is fitted already."""
 
+By = str | Sequence[str] | None
+"""Columns whose groups are left out; None for campaign and shape."""
 Groups = tuple[str, tuple[str, ...], np.ndarray]
 """Column whose groups are left out, names of the groups, and index of the group of each
 test, -1 for a test without measurement."""
@@ -138,7 +140,7 @@ NO_OTHERS = OtherLaws()
 
 
 def check_comparison(
-    study: Study, laws: Iterable[Law] | None, by: str | Sequence[str] | None
+    study: Study, laws: Iterable[Law] | None, by: By
 ) -> tuple[list[Contender], Study]:
     """Return the laws, and the study with the targets that laws of rebound predict if
     there are any. Raises InputError for laws or columns that cannot be used."""
@@ -161,7 +163,7 @@ def compare_study(
     study: Study,
     laws: Iterable[Law] | None = None,
     *,
-    by: str | Sequence[str] | None = None,
+    by: By = None,
     exact: bool = False,
     fits: Sequence[VariantResult] = (),
 ) -> Compared:
@@ -261,7 +263,7 @@ class LawLeftOut(NamedTuple):
 def _left_out(
     contender: Contender,
     fit: LawFit,
-    by: str | Sequence[str] | None,
+    by: By,
     exact: bool,
     common: tuple[str, ...],
 ) -> LawLeftOut:
@@ -282,7 +284,7 @@ def _left_out(
 def _ranked(
     study: Study,
     found: list[LawLeftOut],
-    by: str | Sequence[str] | None,
+    by: By,
     refused: dict[str, str],
 ) -> Compared:
     """Score laws on the targets of a study, which all of them predict."""
@@ -345,13 +347,13 @@ def _scored(one: LawLeftOut, study: Study, named: int) -> ScoredLaw:
     )
 
 
-def _all_groups(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
+def _all_groups(study: Study, by: By) -> list[Groups]:
     group, measured = study.each_test()
     names = tuple(study.tests.name(int(test)) for test in measured)
     return [(TEST, names, group), *_groups_left_out(study, by)]
 
 
-def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
+def _groups_left_out(study: Study, by: By) -> list[Groups]:
     expect("by", by, str, Iterable, type(None))
     if by is None:
         labels = {CAMPAIGN: study.tests.labels[CAMPAIGN], SHAPE: study.tests.shapes}

@@ -42,7 +42,7 @@ from ..problem.candidates import (
 from ..problem.forward_model import ImpactModel
 from ..problem.program import ImpactRows, OwnColumn, program_of
 from .results import VariantResult
-from .uncertainty import bounds_information, regular_covariance
+from .uncertainty import regular_covariance
 
 ALL = "all of these"
 GUESSED = ("max_penetration_m", "max_normal_force_N")
@@ -201,7 +201,7 @@ def suggest_tests(
     flat = gains.reshape(-1, soil, soil)
     design = choose(information, flat, count, criterion)
     now = np.sqrt(np.diag(design.covariances[0]))
-    of_bounds = bounds_information(objective)[:soil] * now**2
+    of_bounds = objective.bounds_information[:soil] * now**2
     return Suggestions(
         names=names,
         criterion=criterion,

@@ -236,7 +236,7 @@ def regular_covariance(
     """
     curvature, variance, prior, _, _ = _parts(objective, points)
     # As much beside the curvature as with sigmas that need no inflation.
-    extra = inflation * np.diag(bounds_information(objective))
+    extra = inflation * np.diag(objective.bounds_information)
     half = inverse_positive(curvature + prior + extra)
     return half @ (inflation * (variance + extra) + prior) @ half
 
@@ -245,7 +245,7 @@ def laplace(objective: Objective, points: Points, inflation: float) -> np.ndarra
     """Approximate the covariance of the posterior by Laplace's method: from the
     curvature alone, with the sigmas taken as true."""
     curvature, _, prior, _, _ = _parts(objective, points)
-    extra = np.diag(bounds_information(objective))
+    extra = np.diag(objective.bounds_information)
     return inverse_positive(curvature / inflation + prior + extra)
 
 
@@ -264,7 +264,7 @@ def stretch(
     if objective.study.is_likelihood:
         return None
     terms = _terms(objective, points)
-    own = objective.prior_information(points.x[0]) + bounds_information(objective)
+    own = objective.prior_information(points.x[0]) + objective.bounds_information
     curvature, variance = (
         part / inflation + np.diag(own)
         for part in (terms.curvature, terms.variance(terms.v))
@@ -274,13 +274,6 @@ def stretch(
     values, vectors = np.linalg.eigh(0.5 * (inner + inner.T))
     inner = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
     return np.linalg.solve(root.T, inner @ root.T)
-
-
-def bounds_information(objective: Objective) -> np.ndarray:
-    """Compute the information of uniform distributions between the bounds; 0 for an
-    unknown with a prior."""
-    width = objective.bounds.high - objective.bounds.low
-    return np.where(np.isinf(objective.prior_sd), 12.0 / width**2, 0.0)
 
 
 class _Terms(NamedTuple):

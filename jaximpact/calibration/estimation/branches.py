@@ -59,9 +59,8 @@ def unit_without_jumps(objective: Objective, fit: Points) -> float:
 def error_root(objective: Objective, fit: Points) -> np.ndarray:
     """Compute a root R of the covariance R R^T at a fit (one lane), with the bounds as
     a weak prior: always finite."""
-    width = objective.bounds.high - objective.bounds.low
-    weak = np.where(np.isinf(objective.prior_sd), 12.0 / width**2, 0.0)
-    curvature = fit.hessian[0] / unit_without_jumps(objective, fit) + np.diag(weak)
+    curvature = fit.hessian[0] / unit_without_jumps(objective, fit)
+    curvature += np.diag(objective.bounds_information)
     values, vectors = np.linalg.eigh(curvature)
     least = 1e-12 * max(values[-1], 1e-300)
     return vectors / np.sqrt(np.maximum(values, least))

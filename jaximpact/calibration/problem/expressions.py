@@ -121,7 +121,6 @@ def read_tied(
 def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[str]:
     """List the parameters that an expression names. Raises InputError for anything that
     it must not hold."""
-    operators = ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow
     called, used = set(), []
     for node in ast.walk(tree):
         match node:
@@ -143,7 +142,7 @@ def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[
             case ast.Constant(value=int() | float() as number):
                 if abs(number) > np.finfo(float).max:
                     raise key.error(f"{text!r} holds a number that is too large")
-            case ast.BinOp(op=operator) if isinstance(operator, operators):
+            case ast.BinOp(op=sign) if type(sign) in OPERATORS:
                 pass
             case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
                 pass

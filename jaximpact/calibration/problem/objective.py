@@ -351,6 +351,13 @@ class Objective:
         """Compute the information of the priors on each unknown at one x."""
         return (self.bounds.slope(x) / self.prior_sd) ** 2
 
+    @property
+    def bounds_information(self) -> np.ndarray:
+        """Information of uniform distributions between the bounds, 12 / range^2; 0 for
+        an unknown with a prior."""
+        width = self.bounds.high - self.bounds.low
+        return np.where(np.isinf(self.prior_sd), 12.0 / width**2, 0.0)
+
 
 def _priors(study: Study) -> tuple[np.ndarray, np.ndarray]:
     """Collect means and standard deviations of the priors; infinite where none."""

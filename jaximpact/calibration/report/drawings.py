@@ -158,18 +158,22 @@ def _fitted(
         _short_numbers(axes.xaxis, high)
         _short_numbers(axes.yaxis, high)
         return
-    black: dict[str, Any] = dict(color="black", ls="none")
-    axes.errorbar(
-        x[exact], measured[exact], sigma, marker="x", label="measured", **black
-    )
-    for sign in (1, -1):
-        of_sign, (marker, words) = known & (censored == sign), MEASURED[sign]
-        if np.any(of_sign):
-            axes.plot(
-                x[of_sign], measured[of_sign], marker=marker, label=words, **black
-            )
+    style = dict(marker="x", label="measured", color="black", ls="none")
+    axes.errorbar(x[exact], measured[exact], sigma, **style)
+    _measured(axes, x, measured, censored, (1, -1))
     axes.set_xlabel(label_of(along, study.tests.known_columns))
     axes.set_ylabel(label_of(study.targets[target]))
+
+
+def _measured(
+    axes: Axes, x: np.ndarray, values: np.ndarray, side: np.ndarray, sides=(*MEASURED,)
+) -> None:
+    """Draw measurements and limits by their sides."""
+    for sign in sides:
+        there, (marker, words) = np.isfinite(values) & (side == sign), MEASURED[sign]
+        if np.any(there):
+            style: dict[str, Any] = dict(color="black", ls="none", label=words)
+            axes.plot(x[there], values[there], marker=marker, **style)
 
 
 def _short_numbers(axis: Axis, largest: float) -> None:
@@ -418,14 +422,8 @@ def draw_predictions(
             label = f"predicted, {kind} %"
             panel.vlines(tests, *ends, lw=width, alpha=0.5, label=label, **style)
         panel.plot(tests, variant.middle[:, target], "o", label="median", **style)
-        measured, side = (
-            of[:, target] for of in (prediction.measured, prediction.censored)
-        )
-        for sign, (marker, words) in MEASURED.items():
-            there = np.isfinite(measured) & (side == sign)
-            if np.any(there):
-                black: dict[str, Any] = dict(color="black", ls="none", label=words)
-                panel.plot(tests[there], measured[there], marker=marker, **black)
+        measured = prediction.measured[:, target]
+        _measured(panel, tests, measured, prediction.censored[:, target])
         if len(tests) <= 12:
             names = [plain(prediction.tests.name(test - 1)) for test in tests]
             panel.set_xticks(tests, names, rotation=45, ha="right")
