@@ -26,18 +26,14 @@ from ..problem.config import Study, Variant
 from ..problem.laws import in_words, unusual, values_by_column
 
 MODEL, COHESION = "model", "cohesion_kPa"
+MODULUS = {"elasticity": ContactPressureModulus}
+INERTIA = {"bearing": VesicWithInertia}
 GROUNDS = {
     "model with cohesion": ({}, (COHESION,)),
-    "model with modulus at contact pressure": (
-        {"elasticity": ContactPressureModulus},
-        (),
-    ),
-    "model with inertia": ({"bearing": VesicWithInertia}, ()),
-    "model with modulus at contact pressure and cohesion": (
-        {"elasticity": ContactPressureModulus},
-        (COHESION,),
-    ),
-    "model with inertia and cohesion": ({"bearing": VesicWithInertia}, (COHESION,)),
+    "model with modulus at contact pressure": (MODULUS, ()),
+    "model with inertia": (INERTIA, ()),
+    "model with modulus at contact pressure and cohesion": (MODULUS, (COHESION,)),
+    "model with inertia and cohesion": (INERTIA, (COHESION,)),
 }
 """Grounds that are compared with the model unless others are named: laws that take the
 place of the study's, and parameters that are fitted beside the study's."""

@@ -11,17 +11,8 @@ from ..comparison.ranking import ERRORS, FEWEST_UNITS, SMALL_DIFFERENCE, Ranking
 from ..problem.config import Variant
 
 CSV_COLUMNS = (
-    *(
-        "compared_on",
-        "law",
-        "row",
-        "test",
-        "log_density",
-        "target",
-        "measured",
-        "left_out",
-    ),
-    "left_out_deviation",
+    *("compared_on", "law", "row", "test", "log_density", "target", "measured"),
+    *("left_out", "left_out_deviation"),
 )
 RULE = (
     f"Two laws tie where their scores differ by less than {ERRORS:g} standard errors, "
