@@ -80,21 +80,14 @@ class StackedPrediction(NamedTuple):
         """Make a table with one row for each test and target: `predicted`, `low_95` and
         `high_95` of the stacked prediction, and the prediction of each law under its
         name. Needs pandas."""
-        import pandas as pd
-
+        values = [self.middle, self.low, self.high, *(law.best for law in self.laws)]
         rows = [
-            {
-                "test": name,
-                "target": self.targets[target],
-                "predicted": self.middle[test, target],
-                "low_95": self.low[test, target],
-                "high_95": self.high[test, target],
-            }
-            | {law.name: law.best[test, target] for law in self.laws}
+            (name, target, *(of_one[test, place] for of_one in values))
             for test, name in enumerate(self.tests.names_apart())
-            for target in range(len(self.targets))
+            for place, target in enumerate(self.targets)
         ]
-        return pd.DataFrame(rows)
+        head = ("test", "target", "predicted", "low_95", "high_95")
+        return Table((*head, *(law.name for law in self.laws)), rows).frame()
 
 
 def predict_stacked(compared: Compared, tests: Measurements) -> StackedPrediction:

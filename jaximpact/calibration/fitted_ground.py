@@ -190,14 +190,8 @@ def fitted_of(
             for entry, of_variant in zip(tree["variants"], laws, strict=True)
         ),
         parameters=tuple(
-            Parameter(
-                name=name,
-                start=entry["start"],
-                lower=entry["lower"],
-                upper=entry["upper"],
-                prior=Prior(**entry["prior"]) if entry["prior"] else None,
-            )
-            for name, entry in manifest["parameters"].items()
+            Parameter(**entry | {"prior": entry["prior"] and Prior(**entry["prior"])})
+            for entry in manifest["parameters"].values()
         ),
         soil=manifest["soil"],
         nuisances=manifest["nuisances"],

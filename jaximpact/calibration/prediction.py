@@ -258,18 +258,16 @@ def unknowns(
         of_fit, weights = of_fit[chosen], np.full(count, 1.0 / count)
     best, draws = [*fitted.best[:soil]], [*of_fit[:, :soil].T]
     for nuisance in study.nuisances:
-        named = nuisance.names_groups(study.tests)
-        for place in range(len(nuisance.groups)):
-            label = nuisance.label(place)
-            if named and label in fitted.unknowns:
-                known = fitted.unknowns.index(label)
+        prior = nuisance.prior
+        places = nuisance.places_in(fitted.unknowns, study.tests)
+        for group, known in enumerate(places):
+            if known is not None:
                 best.append(fitted.best[known])
                 draws.append(of_fit[:, known])
                 continue
-            prior = nuisance.prior
             drawn = random.normal(prior.mean, prior.sd, len(weights))
             best.append(prior.mean)
-            draws.append(np.clip(drawn, nuisance.lower[place], nuisance.upper[place]))
+            draws.append(np.clip(drawn, nuisance.lower[group], nuisance.upper[group]))
     return np.array(best), np.stack(draws, axis=1), weights
 
 

@@ -58,6 +58,7 @@ from jaximpact.laws import FluidityRate
 from jaximpact.laws.bearing import VesicWithInertia
 from jaximpact.parameters import parameter
 from jaximpact.rebound import AbstractRebound, Rebound
+from jaximpact.reports.json_tree import plain
 
 REBOUND = ["constant coefficients", "Pfeiffer and Bowen", "power law in the angle"]
 NOISE = 0.02
@@ -163,7 +164,7 @@ def test_a_constant_coefficient_is_the_mean():
     # The fit stops at a thousandth of a standard error.
     assert found.fitted.values[0] == pytest.approx(mean, abs=1e-3 * spread)
     assert found.fitted.sigma[0] == pytest.approx(spread, rel=1e-3)
-    again = law_of_json(found.fitted.as_json())
+    again = law_of_json(plain(found.fitted.as_json()))
     prediction = predict_law(again, contender, study)
     # e_t has no influence: e_n alone has the variance of a mean.
     expected = spread * np.sqrt(1.0 + 1.0 / count)
@@ -180,7 +181,7 @@ def test_sigmas_stated_by_new_tests_stand_for_those_of_the_fit():
     tests = made_by(ConstantCoefficients(0.4, 0.8), targets=("e_n",))
     given = study_of_columns(tests, default_sigma={"e_n": 0.1 * NOISE})
     contender = Contender("constant", ConstantCoefficients)
-    found = law_of_json(fit_law(given, contender).fitted.as_json())
+    found = law_of_json(plain(fit_law(given, contender).fitted.as_json()))
     assert found.inflation > 10.0
     stated = np.where(np.arange(len(tests["e_n"])) % 2, 0.3 * NOISE, np.nan)
     new = study_of_columns(tests | {"sigma_e_n": stated}, default_sigma={"e_n": 1.0})

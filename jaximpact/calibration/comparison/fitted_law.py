@@ -89,9 +89,7 @@ class FittedLaw(NamedTuple):
 
     def as_json(self) -> dict:
         """Collect the numbers for fit.json."""
-        tree = {JSON_NAMES.get(n, n): value for n, value in self._asdict().items()}
-        apart = self.discrepancy
-        return tree | {"discrepancy": None if apart is None else apart._asdict()}
+        return {JSON_NAMES.get(n, n): value for n, value in self._asdict().items()}
 
 
 def law_of_json(entry: dict) -> FittedLaw:
@@ -271,17 +269,15 @@ def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
     places, values = [*range(fitted.parameters)], [*fitted.values[: fitted.parameters]]
     known, variances = [*places], [0.0] * len(places)
     for nuisance in study.nuisances:
-        named = nuisance.names_groups(study.tests)
-        for group in range(len(nuisance.groups)):
-            label = nuisance.label(group)
-            if named and label in fitted.unknowns:
-                places.append(fitted.unknowns.index(label))
-                known.append(len(values))
-                values.append(fitted.values[places[-1]])
-                variances.append(0.0)
-            else:
+        for place in nuisance.places_in(fitted.unknowns, study.tests):
+            if place is None:
                 values.append(nuisance.prior.mean)
                 variances.append(nuisance.prior.sd**2)
+                continue
+            places.append(place)
+            known.append(len(values))
+            values.append(fitted.values[place])
+            variances.append(0.0)
     covariance = np.diag(variances)
     covariance[np.ix_(known, known)] = fitted.covariance[np.ix_(places, places)]
     return np.array(values), covariance

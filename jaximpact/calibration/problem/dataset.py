@@ -72,6 +72,11 @@ class Measurements:
             test -= len(table.rows)
         raise IndexError(test)
 
+    def error(self, test: int | np.integer, column: str, problem: str) -> InputError:
+        """Make the error of the cell of a test in a column."""
+        file, row = self.place(test)
+        return InputError(problem, file=file, row=row, column=column)
+
     def name(self, test: int | np.integer) -> str:
         """Return the name of a test, or its file and row, with the time of a force."""
         time = self.times[test]
@@ -179,10 +184,10 @@ class Measurements:
         return [one for table in self.files for one in (table, *table.beside)]
 
     @property
-    def checksums(self) -> list[tuple[str, str]]:
-        """Names of all files that were read, and their SHA-256."""
+    def checksums(self) -> list[dict[str, str]]:
+        """The `file` name and the `sha256` of all files that were read."""
         names = names_of_files([table.path for table in self.sources])
-        return [(names[table.path], table.sha256) for table in self.sources]
+        return [{"file": names[t.path], "sha256": t.sha256} for t in self.sources]
 
     @property
     def first_of_row(self) -> np.ndarray:

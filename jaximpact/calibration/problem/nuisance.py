@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
 from ...io.scene_table import MOST_MEASURED
 from ...io.toml import Key, check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS
@@ -54,10 +53,15 @@ class Nuisance:
         """Return the name of a group's value."""
         return f"{self.name}[{self.groups[group]}]"
 
-    def names_groups(self, tests: Measurements) -> bool:
-        """Tell whether tests name its groups, so that those of a fit are found again:
-        not where each test is a group, nor where a file name stands for a campaign."""
-        return self.by != EACH_TEST and self.by in tests.files[0].labels
+    def places_in(
+        self, unknowns: tuple[str, ...], tests: Measurements
+    ) -> list[int | None]:
+        """Find the groups of tests among the unknowns of a fit; None for a new one, as
+        where each test is a group, or where a file name stands for a campaign."""
+        labels = [self.label(group) for group in range(len(self.groups))]
+        if self.by == EACH_TEST or self.by not in tests.files[0].labels:
+            return [None] * len(labels)
+        return [unknowns.index(n) if n in unknowns else None for n in labels]
 
 
 def read_prior(key: Key, entry, mean: float | None = None) -> Prior:
@@ -175,9 +179,6 @@ def _groups(key: Key, by: str, tests: Measurements):
         raise key["by"].error(f"{by!r} is no column of {tests.files[0].path.name}")
     labels = tests.labels[by]
     if "" in labels:
-        file, row = tests.place(labels.index(""))
-        raise InputError(
-            "is empty, but groups the tests", file=file, row=row, column=by
-        )
+        raise tests.error(labels.index(""), by, "is empty, but groups the tests")
     groups = tuple(dict.fromkeys(labels))
     return groups, np.array([groups.index(label) for label in labels])

@@ -74,14 +74,11 @@ def _targets(top: Key, content: dict, tests: Measurements, nuisances):
             raise InputError("holds no measurement; remove it", file=first, column=name)
         timed = tests.at_times(targets)
         if name not in CURVE_COLUMNS and np.any(known & timed):
-            file, row = tests.place(np.flatnonzero(known & timed)[0])
-            raise InputError(
+            problem = (
                 f"stands in a row with {TIME_COLUMN}, where forces alone are compared; "
-                f"give it a row of its own, without {TIME_COLUMN}",
-                file=file,
-                row=row,
-                column=name,
+                f"give it a row of its own, without {TIME_COLUMN}"
             )
+            raise tests.error(np.flatnonzero(known & timed)[0], name, problem)
         if name in CURVE_COLUMNS and np.any(known & ~timed):
             raise InputError(
                 f"needs {TIME_COLUMN} in its row, the time since first touch, or a "
@@ -94,13 +91,8 @@ def _targets(top: Key, content: dict, tests: Measurements, nuisances):
     if "e_t" in targets and not moved:
         along_normal = np.isfinite(tests.measured["e_t"]) & (angles == 0.0)
         for test in np.flatnonzero(along_normal)[:1]:
-            file, row = tests.place(test)
-            raise InputError(
-                "e_t has no meaning at angle_deg 0; leave the cell empty",
-                file=file,
-                row=row,
-                column="e_t",
-            )
+            problem = "e_t has no meaning at angle_deg 0; leave the cell empty"
+            raise tests.error(test, "e_t", problem)
     return tuple(targets)
 
 
@@ -134,14 +126,11 @@ def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
             scale = root_mean_square(measured, tests.censored[name])
             sigma = np.full(len(tests), NOMINAL_SIGMA * scale)
         for test in np.flatnonzero(np.isfinite(measured) & ~np.isfinite(sigma))[:1]:
-            file, row = tests.place(test)
-            raise InputError(
+            problem = (
                 f"has no sigma_{name}, but other rows have; give all, or a sigma for "
-                f"the rest, default_sigma.{name} in a study",
-                file=file,
-                row=row,
-                column=name,
+                f"the rest, default_sigma.{name} in a study"
             )
+            raise tests.error(test, name, problem)
         # Without a measurement any number serves, but not NaN.
         columns.append(np.where(np.isfinite(sigma), sigma, np.nanmedian(sigma)))
         is_given.append(stated)

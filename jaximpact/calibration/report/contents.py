@@ -329,7 +329,7 @@ def origin_table(result: StudyResult) -> Table:
         laws |= {f"{slot} of {variant.name}": v for slot, v in variant.laws.items()}
     rows = [
         ("study", study.path.name),
-        *((name, f"sha256 {sha256}") for name, sha256 in study.tests.checksums),
+        *((one["file"], f"sha256 {one['sha256']}") for one in study.tests.checksums),
         *((slot, name_of(type(law))) for slot, law in laws.items()),
         ("method", study.method),
         ("loss", study.loss),

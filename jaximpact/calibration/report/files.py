@@ -159,9 +159,7 @@ def _manifest(result: StudyResult) -> dict:
     study = result.study
     return {
         "study": study.path.name,
-        "data": [
-            {"file": name, "sha256": sha256} for name, sha256 in study.tests.checksums
-        ],
+        "data": study.tests.checksums,
         **{name: getattr(study, name) for name in SETTINGS},
         "parts": as_entries(unusual(study.parts)),
         "laws": part_names(study.tests.base.soil, study.tests.base.block),

@@ -397,10 +397,7 @@ def as_json(prediction: PredictedTests) -> dict:
         },
         "shapes_not_fitted": prediction.new_shapes,
         "manifest": {
-            "tests": [
-                {"file": name, "sha256": sha256}
-                for name, sha256 in prediction.tests.checksums
-            ],
+            "tests": prediction.tests.checksums,
             "draws": len(prediction.ground.variants[0].draws),
             "seed": prediction.ground.seed,
             "accuracy": prediction.ground.accuracy,
