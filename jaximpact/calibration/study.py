@@ -92,18 +92,18 @@ def best_fit(objective: Objective) -> BestFit:
     if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
         raise InputError("no start gives a prediction", file=study.path)
     lane = ends.best
-    objective, best = settle(objective, ends.take([lane]), fit_along)
+    objective, best = settle(objective, ends.take([lane]))
     too_small = understated(objective, best.points)
     if np.any(too_small):
         objective = objective.with_sigma_factors(too_small)
-        objective, best = settle(objective, best, fit_along)
+        objective, best = settle(objective, best)
     objective, best = _with_better_scatter(objective, best)
     # Which end is the best depends on the sigmas that are estimated.
     other = int(np.argmin(objective.reevaluate(ends.points).cost))
     if not np.all(study.sigma_given) and other != lane:
         end = refine(objective, ends.points.x[other])
         if end.points.cost[0] < best.points.cost[0]:
-            objective, best = settle(objective, end, fit_along)
+            objective, best = settle(objective, end)
             lane = other
     return BestFit(objective, best, with_end(ends, lane, best), lane, population)
 
@@ -122,7 +122,7 @@ def _with_better_scatter(objective: Objective, best: Fits) -> tuple[Objective, F
     if not np.any(better):
         return objective, best
     objective = objective.with_proportional_scatter(better)
-    return _with_better_scatter(*settle(objective, best, fit_along))
+    return _with_better_scatter(*settle(objective, best))
 
 
 def _fit_variant(objective: Objective, variant: Variant) -> VariantResult:
@@ -230,7 +230,7 @@ def _fit_again(
     lost = best.reasons[0].at_minimum and not again.reasons[0].at_minimum
     if lost or again.points.cost[0] >= best.points.cost[0]:
         return None
-    return settle(objective, again, fit_along)
+    return settle(objective, again)
 
 
 def _profiles(judged: Judged, best: Fits) -> list[LikelihoodProfile]:

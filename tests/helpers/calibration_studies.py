@@ -8,7 +8,7 @@ from text_files import write_columns, write_rows
 from jaximpact.backend import MACHINE_CODE
 from jaximpact.calibration import read_study
 from jaximpact.calibration.arguments import table_given
-from jaximpact.calibration.estimation.search import fit, fit_along
+from jaximpact.calibration.estimation.least_squares import fit
 from jaximpact.calibration.estimation.sigma import settle
 from jaximpact.calibration.problem.config import study_of
 from jaximpact.calibration.problem.dataset import joined_tables
@@ -43,7 +43,7 @@ def fitted(objective, x=None):
     """The objective and its fit from x, else from the study's start, with sigmas
     estimated where none are given."""
     x = start_of(objective.study) if x is None else x
-    return settle(objective, fit(objective, np.atleast_2d(x)), fit_along)
+    return settle(objective, fit(objective, np.atleast_2d(x)))
 
 
 class NoModel:

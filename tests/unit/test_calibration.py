@@ -18,11 +18,11 @@ from jaximpact.calibration.estimation.least_squares import (
     Fits,
     Reason,
     bounded_step,
-    least_squares,
+    fit,
 )
 from jaximpact.calibration.estimation.search import (
-    fit,
     fit_along,
+    fit_by,
     fit_places,
     label_minima,
     refine,
@@ -147,7 +147,7 @@ def test_rosenbrock_from_everywhere():
     """The known minimum (1, 1), from 25 points."""
     grid = np.linspace(-4.0, 4.0, 5)
     x = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2) / 5.0
-    fits = least_squares(Valley(), x)
+    fits = fit(Valley(), x)
     assert set(fits.reasons) == {Reason.converged}
     found = Valley.bounds.parameter(fits.points.x)
     # A promise of 1e-6 leaves 3e-3 in the flattest direction, of curvature 0.2.
@@ -156,7 +156,7 @@ def test_rosenbrock_from_everywhere():
 
 def test_a_fixed_unknown_stays():
     x = np.array([[0.1, 0.5]])
-    fits = least_squares(Valley(), x, np.array([[True, False]]))
+    fits = fit(Valley(), x, np.array([[True, False]]))
     assert fits.points.x[0, 1] == 0.5
     # b = 2.5: the minimum of 100 (b - a^2)^2 + (1 - a)^2 over a.
     a = Valley.bounds.parameter(fits.points.x)[0, 0]
@@ -168,14 +168,14 @@ def test_a_start_beside_zero_moves(near):
     """As a profile's unknowns that are left free: deviations of a group, whose best
     value is 0 but for rounding."""
     x = np.array([[0.2, near]])  # a = 1
-    fits = least_squares(Valley(), x, np.array([[False, True]]))
+    fits = fit(Valley(), x, np.array([[False, True]]))
     assert fits.reasons == [Reason.converged]
     assert Valley.bounds.parameter(fits.points.x)[0, 1] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_a_start_at_a_cliff_is_stuck():
     """The cost falls towards a cliff, and there is no minimum before it."""
-    fits = least_squares(Cliff(), np.array([[0.3, 0.0]]))
+    fits = fit(Cliff(), np.array([[0.3, 0.0]]))
     assert fits.reasons == [Reason.stuck]
     assert not fits.reasons[0].at_minimum
     assert 0.0 <= fits.points.x[0, 0] < 1e-2
@@ -187,7 +187,7 @@ def test_a_minimum_at_a_bound_is_at_the_bound():
     class Lower(Valley):
         bounds = Bounds(np.array([-5.0, -5.0]), np.array([5.0, 0.0]), np.zeros(2, bool))
 
-    fits = least_squares(Lower(), Lower.bounds.coordinate([[-2.0, -3.0]]))
+    fits = fit(Lower(), Lower.bounds.coordinate([[-2.0, -3.0]]))
     assert fits.reasons[0].at_minimum
     assert fits.points.x[0, 1] == Lower.bounds.high[1]
     a = Lower.bounds.parameter(fits.points.x)[0, 0]
@@ -637,6 +637,6 @@ def test_first_order_methods_lower_the_cost(monkeypatch, method):
     monkeypatch.setattr("jaximpact.calibration.estimation.first_order.STEPS", 25)
     x = true_point(objective) + 0.3 * np.eye(4)[:3]
     before = objective(x).cost
-    after = fit(objective, x, method=method)
+    after = fit_by(method, objective, x)
     assert np.all(after.points.cost < 0.2 * before)
     assert set(after.reasons) <= {Reason.step_limit, Reason.converged, Reason.stuck}

@@ -25,8 +25,7 @@ import numpy as np
 from scipy.special import bdtr
 
 from ...progress import tell, within
-from ..estimation.least_squares import Reason, Tolerance, bounded_step
-from ..estimation.search import fit
+from ..estimation.least_squares import Reason, Tolerance, bounded_step, fit
 from ..estimation.sigma import LEAST_LEFT, hat, sizes
 from ..problem.objective import Objective, Points
 from .posterior import root_of, variances

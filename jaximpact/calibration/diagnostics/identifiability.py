@@ -20,8 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...progress import within
-from ..estimation.least_squares import ROUGH, Fits
-from ..estimation.search import fit
+from ..estimation.least_squares import ROUGH, Fits, fit
 from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
 from .uncertainty import USELESS_ERROR, Uncertainty

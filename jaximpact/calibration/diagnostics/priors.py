@@ -15,8 +15,8 @@ contradicts it.
 import numpy as np
 
 from ...progress import within
-from ..estimation.least_squares import Fits
-from ..estimation.search import fit, fit_along
+from ..estimation.least_squares import Fits, fit
+from ..estimation.search import fit_along
 from ..estimation.sigma import settle
 from ..problem.objective import Objective
 from .uncertainty import USELESS_ERROR, estimate
@@ -48,7 +48,7 @@ def _disagreement(objective: Objective, best: Fits, place: int) -> str:
     """Say how a prior and the tests disagree; empty where they do not."""
     x = best.points.x[0]
     free = objective.without_prior(place)
-    free, alone = settle(free, fit_along(free, x), fit_along)
+    free, alone = settle(free, fit_along(free, x))
     of_tests = estimate(free, alone.points)
     sigma = free.sigma * np.sqrt(of_tests.inflation)
     inflated = fit_along(free.with_sigma(sigma), alone.points.x[0])

@@ -101,10 +101,11 @@ def join(fits: Iterable[Fits]) -> Fits:
     return Fits(Points(*parts), [*chain(*reasons)], np.concatenate(steps))
 
 
-def least_squares(
+def fit(
     objective: Objective,
     x: np.ndarray,
     free: np.ndarray | None = None,
+    *,
     tolerance: Tolerance = FINE,
 ) -> Fits:
     """Fit from every x, shape (lanes, unknowns).

@@ -7,7 +7,7 @@ from ..problem.config import Study
 from ..problem.objective import Objective, start_of
 from .branches import draws_about, error_root
 from .evolution import PER_UNKNOWN, Population, search, search_about
-from .least_squares import FINE, ROUGH, Fits, Reason, Tolerance, least_squares
+from .least_squares import ROUGH, Fits, Reason, fit
 
 PLACES = 4
 """Largest number of places of a population from which fits start."""
@@ -22,24 +22,10 @@ SAME = 1e-3
 be at the same cost."""
 
 
-def fit(
-    objective: Objective,
-    x: np.ndarray,
-    free: np.ndarray | None = None,
-    *,
-    method: str = "trust-region",
-    tolerance: Tolerance = FINE,
-) -> Fits:
-    """Fit from every x, shape (lanes, unknowns).
-
-    Args:
-        free: mask of the unknowns that are fitted, the same shape; None for all. Only
-            for the trust-region method.
-        method: one of `METHODS`.
-        tolerance: where fits of the trust-region method may end.
-    """
+def fit_by(method: str, objective: Objective, x: np.ndarray) -> Fits:
+    """Fit from every x, shape (lanes, unknowns), roughly, by one of `METHODS`."""
     if method == "trust-region":
-        return least_squares(objective, x, free, tolerance)
+        return fit(objective, x, tolerance=ROUGH)
     # optax takes its time to import, and few want it.
     from . import first_order
 
@@ -61,7 +47,7 @@ def fit_places(objective: Objective) -> tuple[Fits, Population | None]:
             population = search(part, study.starts)
         places = population.places(PLACES)
     with within("best places, "):
-        ends = fit(rough, places, method=study.method, tolerance=ROUGH)
+        ends = fit_by(study.method, rough, places)
     ends = ends._replace(points=objective.values(ends.points.x))
     refined: set[int] = set()
     # At the end of one another may be lower: the best one has derivatives in any case.

@@ -30,6 +30,7 @@ from ..problem.noise import losses, scale_of_normal
 from ..problem.objective import Objective, Points
 from .least_squares import Fits
 from .linear_algebra import pseudo_inverse
+from .search import fit_along
 
 LEAST_PART = 1e-3
 """Sigma over the root mean square of a target, or over its size where scatter is
@@ -210,13 +211,9 @@ def sigma_factors(objective: Objective) -> dict[str, float]:
     return {n: float(ratio[study.targets.index(n)]) for n in study.understated}
 
 
-def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:
-    """Update sigmas and fit in turn until they agree.
-
-    Args:
-        fits: the best fit, of one lane.
-        fit: called as `fit(objective, x)`, x of shape (unknowns,).
-    """
+def settle(objective: Objective, fits: Fits) -> tuple[Objective, Fits]:
+    """Update sigmas and fit in turn until they agree, from the best fit, of one
+    lane."""
     if np.all(objective.study.sigma_given):
         return objective, fits
     for number in range(1, ROUNDS + 1):
@@ -230,5 +227,5 @@ def settle(objective: Objective, fits: Fits, fit) -> tuple[Objective, Fits]:
         if change <= SETTLED:
             break
         with within(f"errors of measurement, round {number}: "):
-            fits = fit(objective, points.x[0])
+            fits = fit_along(objective, points.x[0])
     return objective, fits
