@@ -48,8 +48,8 @@ def table_given(
             CSV: numbers, limits such as ">0.3", text; None and NaN are empty.
         base: scene of defaults, as for `read_table`.
 
-    Columns are written as a CSV and read like one, so that they are checked alike. The
-    first test is in row 2.
+    Columns are written as a CSV, with all digits of numbers, and read like one, so that
+    they are checked alike. The first test is in row 2.
 
     Raises InputError for columns of different lengths, and as `read_table` does.
     """
@@ -67,15 +67,16 @@ def table_given(
             raise InputError(problem, **place)
     if not columns:
         raise InputError("hold no column; tests are needed", file=COLUMNS)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
+    written = io.StringIO()
+    writer = csv.writer(written, lineterminator="\n")
     writer.writerow(columns)
     cells = [np.broadcast_to(column, count).tolist() for column in columns.values()]
     writer.writerows(
-        [_cell(value) for value in row] for row in zip(*cells, strict=True)
+        ["" if (text := str(value)) in MISSING else text for value in row]
+        for row in zip(*cells, strict=True)
     )
     # Lone surrogates are written as such, and reported as invalid UTF-8.
-    data = text.getvalue().encode("utf-8", "surrogatepass")
+    data = written.getvalue().encode("utf-8", "surrogatepass")
     return table_of(data, COLUMNS, measured=True, base=base)
 
 
@@ -115,12 +116,6 @@ def _cells(values) -> np.ndarray:
     if isinstance(values, np.ma.MaskedArray):
         return np.where(np.ma.getmaskarray(values), np.array(None), values.data)
     return np.asarray(values, object)
-
-
-def _cell(value) -> str:
-    """Write a value as in a CSV, with all digits of a number."""
-    text = str(value)
-    return "" if text in MISSING else text
 
 
 def study_of_arguments(tests, options: Mapping) -> Study:

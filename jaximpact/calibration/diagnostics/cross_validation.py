@@ -87,14 +87,8 @@ def leave_out_each(
     *,
     at_most: int = AT_MOST,
 ) -> LeftOut:
-    """Predict each test by the fit without it; tests without a measurement are skipped.
-
-    Args:
-        objective: objective with the sigmas of the fit.
-        points: the best fit, of one lane.
-        uncertainty: uncertainty of the fit.
-        at_most: largest number of fits.
-    """
+    """Predict each test by the fit without it, from the fit to all (points of one
+    lane), with at most so many fits; tests without a measurement are skipped."""
     study = objective.study
     group, measured = study.each_test()
     each = group == np.arange(len(measured))[:, None]

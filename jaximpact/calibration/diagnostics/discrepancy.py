@@ -100,12 +100,9 @@ def scale_of(
 def estimate_discrepancy(
     objective: Objective, points: Points, uncertainty: Uncertainty
 ) -> Discrepancy | None:
-    """Estimate the discrepancy of a fit (points of one lane); None where speed, size
-    and angle all have fewer than three values.
-
-    Args:
-        objective: objective with the sigmas of the fit.
-    """
+    """Estimate the discrepancy of a fit (points of one lane) with the objective that
+    has its sigmas; None where speed, size and angle all have fewer than three
+    values."""
     study = objective.study
     places = places_of(study.tests, study.stated)
     groups = thirds(places, np.any(study.exact, axis=1))

@@ -69,15 +69,8 @@ def draw(
     count: int = COUNT,
     seed: int = 0,
 ) -> Draws:
-    """Sample the posterior about the best fit, and check the accuracy of the costs.
-
-    Args:
-        objective: objective with the sigmas of the fit.
-        points: the best fit, of one lane.
-        inflation: inflation of its covariance.
-        count: number of draws a round.
-        seed: seed of the random numbers.
-    """
+    """Sample the posterior about the best fit (points of one lane), with the inflation
+    of its covariance and `count` draws a round, and check the accuracy of the costs."""
     draws = sample(objective, points, inflation, count=count, seed=seed)
     return check(draws, objective, inflation)
 

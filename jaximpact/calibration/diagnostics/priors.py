@@ -28,11 +28,8 @@ estimated, from the 95 % quantile of Student's distribution if that is more."""
 
 def disagreements(objective: Objective, best: Fits) -> dict[str, str]:
     """Find the priors of the soil's parameters that the tests contradict, by name: the
-    distance of both in words, with what the tests give without the prior.
-
-    Args:
-        best: the reported fit, of one lane.
-    """
+    distance of both at the reported fit (one lane) in words, with what the tests give
+    without the prior."""
     found = {}
     for place, parameter in enumerate(objective.study.parameters):
         if parameter.prior is None:

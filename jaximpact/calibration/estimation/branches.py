@@ -77,16 +77,14 @@ def draws_about(
 
 
 def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
-    """Compute the fraction of points about a fit, normally distributed with its
-    covariance, at which each prediction has left its branch, shape (tests, targets).
+    """Compute the fraction of points about a fit (one lane, with derivatives), normally
+    distributed with its covariance, at which each prediction has left its branch, shape
+    (tests, targets).
 
     Beside a jump a derivative may be very steep, and the covariance too small: it is
     that of the measurements that are not near a jump. Where parameters are hardly known
     the region is wide, and predictions leave the linear ones without a jump: these do
     not count.
-
-    Args:
-        fit: one lane, with derivatives.
     """
     near = np.zeros(objective.study.known.shape, bool)
     for _ in range(SHARES_AGAIN):

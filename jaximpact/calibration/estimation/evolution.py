@@ -103,13 +103,8 @@ def spread(objective: Objective, count: int) -> np.ndarray:
 
 @within("search, ")
 def search(objective: Objective, members: int) -> Population:
-    """Search between the bounds, from candidates all over them.
-
-    Args:
-        members: size of the population, or more where there are many unknowns.
-
-    Equal arguments give equal numbers on one machine.
-    """
+    """Search between the bounds, from candidates all over them, with so many members or
+    more where there are many unknowns."""
     unknowns = len(objective.bounds.lower)
     members = max(members, PER_UNKNOWN * unknowns)
     spare = np.sum(objective.study.known) >= SPARE * unknowns
@@ -131,10 +126,7 @@ def search(objective: Objective, members: int) -> Population:
 
 @within("at a jump, ")
 def search_about(objective: Objective, x: np.ndarray) -> Population:
-    """Search about points, shape (members, unknowns), for a lower cost.
-
-    Equal arguments give equal numbers on one machine.
-    """
+    """Search about points, shape (members, unknowns), for a lower cost."""
     falls: list[float] = []
 
     def no_longer_falls(population: Population, generation: int) -> bool:

@@ -1,7 +1,7 @@
 """Fits by SciPy's trust-region method between bounds, one after the other."""
 
 import enum
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from itertools import chain
 from typing import NamedTuple
 
@@ -94,13 +94,6 @@ class Fits(NamedTuple):
         return Fits(self.points.take(lanes), reasons, self.steps[lanes])
 
 
-def join(fits: Iterable[Fits]) -> Fits:
-    """Put the lanes of several fits side by side."""
-    points, reasons, steps = zip(*fits, strict=True)
-    parts = (np.concatenate(part) for part in zip(*points, strict=True))
-    return Fits(Points(*parts), [*chain(*reasons)], np.concatenate(steps))
-
-
 def fit(
     objective: Objective,
     x: np.ndarray,
@@ -113,8 +106,6 @@ def fit(
     Args:
         free: mask of the unknowns that are fitted, the same shape; None for all.
         tolerance: where fits may end.
-
-    Equal arguments give equal numbers on one machine.
     """
     x = np.clip(x, objective.bounds.low, objective.bounds.high)
     free = np.ones(x.shape, bool) if free is None else free
@@ -123,7 +114,9 @@ def fit(
         ends.append(_fit_one(objective, start, moving, tolerance))
         lowest = min(float(end.points.cost[0]) for end in ends)
         tell(f"fit {lane + 1} of {len(x)}, lowest cost {lowest:.6g}")
-    return join(ends)
+    points, reasons, steps = zip(*ends, strict=True)
+    parts = (np.concatenate(part) for part in zip(*points, strict=True))
+    return Fits(Points(*parts), [*chain(*reasons)], np.concatenate(steps))
 
 
 def _fit_one(

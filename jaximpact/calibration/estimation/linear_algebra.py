@@ -13,26 +13,19 @@ LEAST_EIGENVALUE = 1e-12
 """Fraction of the largest eigenvalue below which one counts as zero: rounding."""
 
 
-def _scaled(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Decompose D^-1 A D^-1 with a unit diagonal: roots D of the diagonal, eigenvalues
-    and eigenvectors."""
-    diagonal = np.einsum("...pp->...p", matrix)
-    root = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    scaled = matrix / (root[..., :, None] * root[..., None, :])
-    values, vectors = np.linalg.eigh(0.5 * (scaled + np.swapaxes(scaled, -1, -2)))
-    return root, values, vectors
-
-
 def inverse_positive(matrix: np.ndarray) -> np.ndarray:
     """Invert positive matrices, shape (..., n, n): symmetric, positive and finite.
 
     A direction that is lost to rounding gets the largest variance that double precision
     can tell from it, not a negative or an infinite one.
     """
-    root, values, vectors = _scaled(matrix)
+    diagonal = np.einsum("...pp->...p", matrix)
+    root = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scale = root[..., :, None] * root[..., None, :]
+    scaled = matrix / scale
+    values, vectors = np.linalg.eigh(0.5 * (scaled + np.swapaxes(scaled, -1, -2)))
     values = np.maximum(values, LEAST)
-    inverse = (vectors / values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    return inverse / (root[..., :, None] * root[..., None, :])
+    return (vectors / values[..., None, :]) @ np.swapaxes(vectors, -1, -2) / scale
 
 
 def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:

@@ -107,12 +107,8 @@ def leverages(objective: Objective, points: Points) -> np.ndarray:
 
 
 def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
-    """Compute the degrees of freedom of each target, shape (targets,): its exact
-    measurements less their leverages.
-
-    Args:
-        points: a fit, of one lane.
-    """
+    """Compute the degrees of freedom of each target, shape (targets,), at a fit (points
+    of one lane): its exact measurements less their leverages."""
     exact = objective.study.exact & np.isfinite(points.predicted[0])
     used_up = np.where(exact, leverages(objective, points), 0.0)
     return np.sum(exact, axis=0) - np.sum(used_up, axis=0)
