@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from ...errors import check_choice
 from ...quantities import TARGET_COLUMNS, columns_of
@@ -13,22 +14,19 @@ from ..prediction import PredictedTests
 from .files import fitted_table
 from .prediction import prediction_table
 
-if TYPE_CHECKING:  # both take a while to load
-    import pandas as pd
+if TYPE_CHECKING:  # takes a while to load
     import xarray as xr
 
 Fit = tuple[StudyResult, VariantResult, Examination]
 
 
-def frame_of(fit: Fit, table: str) -> "pd.DataFrame":
+def frame_of(fit: Fit, table: str) -> pd.DataFrame:
     """Make one of `FRAMES` of a variant."""
     check_choice("table", table, FRAMES)
     return FRAMES[table](fit)
 
 
-def _parameters(fit: Fit) -> "pd.DataFrame":
-    import pandas as pd
-
+def _parameters(fit: Fit) -> pd.DataFrame:
     _, variant, _ = fit
     columns = columns_of(variant.objective.scene)
     rows = []
@@ -53,27 +51,23 @@ def _parameters(fit: Fit) -> "pd.DataFrame":
     return frame.astype({"low_95": float, "high_95": float})
 
 
-def _covariance(fit: Fit) -> "pd.DataFrame":
+def _covariance(fit: Fit) -> pd.DataFrame:
     _, variant, _ = fit
     x = variant.bounds.coordinate(variant.parameters)
     slope = variant.bounds.slope(x)
     return _square(fit, variant.uncertainty.covariance * np.outer(slope, slope))
 
 
-def _correlation(fit: Fit) -> "pd.DataFrame":
+def _correlation(fit: Fit) -> pd.DataFrame:
     return _square(fit, fit[1].uncertainty.correlation)
 
 
-def _square(fit: Fit, matrix: np.ndarray) -> "pd.DataFrame":
-    import pandas as pd
-
+def _square(fit: Fit, matrix: np.ndarray) -> pd.DataFrame:
     names = pd.Index(fit[1].names, name="parameter")
     return pd.DataFrame(matrix, index=names, columns=names.rename("with"))
 
 
-def _profiles(fit: Fit) -> "pd.DataFrame":
-    import pandas as pd
-
+def _profiles(fit: Fit) -> pd.DataFrame:
     return pd.concat(
         [
             pd.DataFrame(
@@ -85,9 +79,7 @@ def _profiles(fit: Fit) -> "pd.DataFrame":
     )
 
 
-def _draws(fit: Fit) -> "pd.DataFrame":
-    import pandas as pd
-
+def _draws(fit: Fit) -> pd.DataFrame:
     _, variant, diagnostics = fit
     draws = diagnostics.posterior
     values = variant.bounds.parameter(draws.x)
@@ -95,13 +87,13 @@ def _draws(fit: Fit) -> "pd.DataFrame":
     return frame.assign(weight=diagnostics.weights)
 
 
-def _residuals(fit: Fit) -> "pd.DataFrame":
+def _residuals(fit: Fit) -> pd.DataFrame:
     result, variant, diagnostics = fit
     one = result._replace(variants=[variant])
     return fitted_table(one, [diagnostics]).frame().drop(columns="variant")
 
 
-FRAMES: dict[str, Callable[[Fit], "pd.DataFrame"]] = {
+FRAMES: dict[str, Callable[[Fit], pd.DataFrame]] = {
     "parameters": _parameters,
     "covariance": _covariance,
     "correlation": _correlation,
