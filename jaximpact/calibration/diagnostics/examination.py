@@ -188,7 +188,7 @@ def warnings_of(
     """List the reasons, if any, not to trust a fit and its errors."""
     lines = doubtful_units(result.study)
     if not variant.reason.at_minimum:
-        lines.append(f"The best fit is no minimum: {variant.reason.words}.")
+        lines.append(f"The best fit is no minimum: {variant.reason}.")
     for target, name in enumerate(result.study.targets):
         lines += _large_misfit(result, variant, target, name) or worse_than_mean(
             result.study, diagnostics.each, target

@@ -33,13 +33,8 @@ class Reason(enum.Enum):
     step_limit = "limit of steps reached", False
     failed = "failed: an impact could not be computed", False
 
-    @property
-    def words(self) -> str:
-        """The reason in words, for reports."""
-        return self.value[0]
-
     def __str__(self) -> str:
-        return self.words
+        return self.value[0]
 
     @property
     def at_minimum(self) -> bool:

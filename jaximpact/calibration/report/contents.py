@@ -51,7 +51,7 @@ def summary(result: StudyResult, examined: list[Examination]) -> Document:
                 [
                     "Verdict",
                     *verdict(result, variant, diagnostics.residuals),
-                    f"{search_in_words(variant)}; {variant.reason.words}.",
+                    f"{search_in_words(variant)}; {variant.reason}.",
                 ],
             ),
             warning_box(warnings_of(result, variant, diagnostics)),
@@ -146,7 +146,7 @@ def _fixed_quantities(study: Study) -> str:
         or not math.isclose(value, INPUT_COLUMNS[name].default, rel_tol=1e-12)
     ]
     other += [
-        f"{name} {_range(study.tests.inputs[name])}"
+        f"{name} {range_text(study.tests.inputs[name])}"
         for name, column in study.tests.known_columns.items()
         if column.part == "soil" and name in study.tests.inputs
     ]
@@ -156,7 +156,8 @@ def _fixed_quantities(study: Study) -> str:
     return f"{study.tests.missing_in_words(fitted)} {words}".lstrip()
 
 
-def _range(values: np.ndarray) -> str:
+def range_text(values: np.ndarray) -> str:
+    """Write the range of values, or the only one."""
     low, high = np.min(values), np.max(values)
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
@@ -244,7 +245,7 @@ def bias_table(residuals: Residuals) -> Table:
 
 def statistics(result: StudyResult, variant: VariantResult) -> str:
     """Say how good the fit is."""
-    uncertainty, words = variant.uncertainty, variant.reason.words
+    uncertainty, words = variant.uncertainty, str(variant.reason)
     left = freedom_text(uncertainty.degrees_of_freedom)
     line = (
         f"Cost {variant.cost:.6g}, {left} degree{'s' * (left != '1')} of freedom. "
@@ -313,7 +314,7 @@ def end_table(variant: VariantResult) -> Table:
             f"{variant.end_costs[end]:.6g}",
             *variant.end_parameters[end, : len(names)],
             int(variant.end_steps[end]),
-            variant.end_reasons[end].words,
+            str(variant.end_reasons[end]),
         )
         for end in np.argsort(variant.end_costs, kind="stable")
     ]

@@ -20,6 +20,7 @@ from ..diagnostics.uncertainty import CONFIDENCE
 from ..fitted_ground import FittedVariant
 from ..prediction import Outside, PredictedTests, Scores, VariantPrediction, score
 from ..problem.dataset import LIMITS
+from .contents import range_text
 
 MOST_NAMES = 6
 """Number of tests that are named in a sentence."""
@@ -189,16 +190,12 @@ def _about_undetermined(
 
 
 def _about_outside(prediction: PredictedTests, outside: Outside) -> str:
-    beyond = outside.values
     fitted = f"{outside.low:g} to {outside.high:g}"
     if outside.low == outside.high:
         fitted = f"{outside.low:g} alone"
-    where = f"{np.min(beyond):g}"
-    if np.ptp(beyond) > 0.0:
-        where += f" to {np.max(beyond):g}"
     return (
-        f"Outside the fitted tests: {outside.column} {where} (fitted: {fitted}) in "
-        f"{_named(prediction, outside.tests)}."
+        f"Outside the fitted tests: {outside.column} {range_text(outside.values)} "
+        f"(fitted: {fitted}) in {_named(prediction, outside.tests)}."
     )
 
 
