@@ -1,5 +1,6 @@
 """Diagnostics of a fit, and the warnings that follow from them."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -118,17 +119,13 @@ def _examine(
     campaigns = leave_out_campaigns(*fit, ends)
     tell("further tests")
     wanted = study.candidates
-    single, together = (
-        suggest_tests(
-            variant,
-            wanted.axes,
-            wanted.measure,
-            together=together,
-            count=wanted.count,
-            criterion=wanted.criterion,
-        )
-        for together in (False, True)
+    suggested = partial(
+        suggest_tests,
+        *(variant, wanted.axes, wanted.measure),
+        count=wanted.count,
+        criterion=wanted.criterion,
     )
+    single, together = suggested(), suggested(together=True)
     samples = None
     if posterior:
         samples = sample_posterior(variant, seed=study.seed, draws=draws)
