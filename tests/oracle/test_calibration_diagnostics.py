@@ -28,12 +28,7 @@ from jaximpact.calibration.diagnostics.cross_validation import (
     leave_out_each,
     linearised,
 )
-from jaximpact.calibration.diagnostics.further_tests import (
-    as_table,
-    choose,
-    in_words,
-    merit,
-)
+from jaximpact.calibration.diagnostics.further_tests import as_text, choose, merit
 from jaximpact.calibration.diagnostics.identifiability import Verdict, profile_all
 from jaximpact.calibration.diagnostics.importance_sampling import draw
 from jaximpact.calibration.diagnostics.nuts import compare_errors
@@ -592,9 +587,9 @@ def test_further_tests_where_data_determine_nothing():
     widest = 2.0 * np.max(variant.bounds.half) / np.sqrt(12.0)
     assert np.all(found.now <= widest)
     assert np.all(np.diff([c.volume for c in found.chosen]) >= 0.0)
-    assert "the bounds replace data" in " ".join(in_words(found))
-    lines = as_table(found).text().splitlines()
-    now = next(line for line in lines if line.strip().startswith("now"))
+    text = as_text(found)
+    assert "the bounds replace data" in text
+    now = next(line for line in text.splitlines() if line.strip().startswith("now"))
     assert now.count("not identifiable") == 3
 
 
@@ -613,10 +608,10 @@ def test_a_test_that_tells_next_to_nothing_is_not_recommended(fitted):
     candidates = {"angle_deg": [0.0, 30.0]}
     exact = suggest_tests(fitted, candidates, {"e_n": 0.01}, count=1)
     assert exact.chosen[0].volume > 1.1
-    assert "The next test: angle_deg" in in_words(exact)[0]
+    assert "The next test: angle_deg" in as_text(exact)
     vague = suggest_tests(fitted, candidates, {"e_n": 1.0}, count=1)
     assert 1.0 < vague.chosen[0].volume < 1.005
-    text = " ".join(in_words(vague))
+    text = as_text(vague)
     assert "best of these tests would shrink the errors by less than 0.5 % in" in text
     assert "The next test" not in text
 

@@ -412,3 +412,8 @@ def in_words(advice: Suggestions) -> list[str]:
             "are left out."
         )
     return lines
+
+
+def as_text(advice: Suggestions) -> str:
+    """Write table and advice as text."""
+    return "\n".join([as_table(advice).text(), "", *in_words(advice)]) + "\n"
