@@ -28,11 +28,11 @@ from jaximpact.runout import (
 from jaximpact.runout.study.ground_file import GroundInput
 from jaximpact.runout.study.intervals import is_apart
 from jaximpact.runout.study.report_page import slope_report
+from jaximpact.runout.study.results import PREFIX
 from jaximpact.runout.study.run_study import simulate as simulate_blocks
 from jaximpact.runout.study.second_run import (
     LEFT_OUT,
     OTHER_LAW,
-    PREFIX,
     ROUND,
     differences,
 )

@@ -30,7 +30,7 @@ from ...reports.tables import at_x, place_text
 from ..terrain import Profile, ground_columns, ground_values
 from ..trajectory import Runs
 from ..trajectory_drawing import add_trajectories, bottom_of, height_of
-from .endings import stops_of, valid_blocks
+from .results import stops_of, valid_blocks
 
 CURVES = (
     ("passage_energy_J", "kinetic energy [kJ]", 1e-3),

@@ -39,10 +39,9 @@ from ..scheduler import WIDTH, follow
 from ..terrain import ground_columns
 from ..trajectory import NOTABLE_E_N, Ending, Runs, state_after, stretches_of
 from .barriers import barrier_variables
-from .endings import valid_blocks
+from .results import PREFIX, valid_blocks
 from .second_run import (
     LEFT_OUT,
-    PREFIX,
     SecondRun,
     differences,
     kinematics_of,
