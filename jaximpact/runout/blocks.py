@@ -7,7 +7,7 @@ axis; seen from the plane it is Theta = phi - w.
 """
 
 import dataclasses
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -41,6 +41,10 @@ class MassProperties(NamedTuple):
 
     mass: Values  # mass [kg]
     inertia: Values  # about the out-of-plane axis through the centre [kg m2]
+
+    def kinetic_energy(self, v_x: Values, v_y: Values, spin: Values) -> Values:
+        """Compute the kinetic energy [J] of velocities along two axes."""
+        return 0.5 * (self.mass * (v_x**2 + v_y**2) + self.inertia * spin**2)
 
 
 class BlockOutline(NamedTuple):
@@ -79,6 +83,14 @@ def put(tree, chosen, new) -> None:
     pairs = zip(jax.tree.leaves(tree), jax.tree.leaves(new), strict=True)
     for leaf, values in pairs:
         leaf[chosen] = values
+
+
+def choose(condition: Values, yes: Any, no: Any) -> Any:
+    """Choose between two trees of one structure; what they have in common is left as it
+    is."""
+    return jax.tree.map(
+        lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no
+    )
 
 
 def fly(body: Body, time) -> Body:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -114,14 +114,6 @@ class BlockState(NamedTuple):
         events = self.events + 1.0
         many = (events >= limits.events) & (self.phase != Phase.ended)
         return self._replace(events=events).ended(Ending.event_limit, many)
-
-
-def choose(condition: Values, yes: Any, no: Any) -> Any:
-    """Choose between two trees of one structure; what they have in common is left as it
-    is."""
-    return jax.tree.map(
-        lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no
-    )
 
 
 class BlockConstants(NamedTuple):

@@ -32,7 +32,7 @@ from ...shapes import MixedShapes
 from ...tasks import Task, computing, run_tasks
 from ...units import DEGREE, variable_attributes
 from ..analysis import first_passages, maxima_along, passages
-from ..blocks import Body, Release, select
+from ..blocks import Release, select
 from ..contacts.contact_models import ClosedForm
 from ..coordinates import FASTEST
 from ..scheduler import WIDTH, follow
@@ -190,19 +190,17 @@ def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
 
 def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
     """Compute the kinetic energy of each block at release, and at its end [J]."""
-    mass, inertia = runs.release.mass_properties
-    p, blocks = runs.pieces, np.arange(len(mass))
-
-    def kinetic(body: Body, of: np.ndarray) -> np.ndarray:
-        squared = body.v_x**2 + body.v_y**2
-        return 0.5 * (mass[of] * squared + inertia[of] * body.angular_velocity**2)
-
-    start = kinetic(runs.release.body, blocks)
-    last = np.searchsorted(p.trajectory, blocks, "right") - 1
+    of_blocks, body = runs.release.mass_properties, runs.release.body
+    p, count = runs.pieces, runs.release.count
+    start = of_blocks.kinetic_energy(body.v_x, body.v_y, body.angular_velocity)
+    last = np.searchsorted(p.trajectory, np.arange(count), "right") - 1
     # A block that is released at an end of the profile leaves it at once.
-    moved = np.bincount(p.trajectory, minlength=len(mass)) > 0
+    moved = np.bincount(p.trajectory, minlength=count) > 0
     last, end = last[moved], start.copy()
-    end[moved] = kinetic(state_after(select(p, last), p.duration[last]), moved)
+    body = state_after(select(p, last), p.duration[last])
+    end[moved] = select(of_blocks, moved).kinetic_energy(
+        body.v_x, body.v_y, body.angular_velocity
+    )
     return start, np.where(runs.ending == Ending.stopped, 0.0, end)
 
 
