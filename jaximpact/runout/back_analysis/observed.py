@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import InputError, UnusualValueWarning
+from ...errors import InputError
+from ...io.checks import warn_unusual
 from ...io.scene_table import reads_as_number
 from ...io.toml import Key, check_keys, known_table, number, typed, whole
 from ...reports.tables import at_x
@@ -197,7 +198,14 @@ def _passages(
                     f"must be above 0, but is {value:g}",
                     **{"file": file, "row": line, "column": name},
                 )
-        _warn_of_unusual(file, name, values, lines)
+        if np.any(unusual := values > (usual := USUAL[name])):
+            i = int(np.argmax(unusual))
+            warn_unusual(
+                f"is {values[i]:g}, while usual are up to {usual:g}; is it a mark for "
+                "no data, or in another unit?",
+                name,
+                **{"file": file, "row": lines[i], "column": name},
+            )
         for x in np.unique(places).tolist():
             here = values[(places == x) & np.isfinite(values)]
             if len(here):
@@ -205,22 +213,6 @@ def _passages(
     if not channels:
         raise InputError("holds no measured value", file=file)
     return channels
-
-
-def _warn_of_unusual(
-    file: Path, name: str, values: np.ndarray, lines: list[int]
-) -> None:
-    """Warn of the first value that hardly any block has: a mark for no data, or another
-    unit."""
-    usual = USUAL[name]
-    unusual = values > usual
-    if np.any(unusual):
-        i = int(np.argmax(unusual))
-        text = (
-            f"{file}, row {lines[i]}, column {name}: is {values[i]:g}, while usual are "
-            f"up to {usual:g}; is it a mark for no data, or in another unit?"
-        )
-        warnings.warn(UnusualValueWarning(text, name), stacklevel=2)
 
 
 def _columns(

@@ -1,14 +1,13 @@
 """Placement of blocks at release: above the ground, lying on it, or touching it."""
 
-import warnings
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..._checks import expect, real_numbers
-from ...errors import InputError, UnusualValueWarning
+from ...errors import InputError
+from ...io.checks import warn_unusual
 from ...scene import GRAVITY, Scene
 from ...shapes import AbstractElliptic, shape_by_shape
 from .. import libm
@@ -69,11 +68,11 @@ def check_release(release: Release, profile: Profile) -> None:
     above = release.y - profile.height(release.x)
     if np.max(above) > HIGHEST_CLIFF:
         i = int(np.argmax(above))
-        text = (
+        warn_unusual(
             f"block {i} is released {above[i]:.4g} m above the ground, higher than any "
-            "cliff; is its y counted from where the profile's is, in the same unit?"
+            "cliff; is its y counted from where the profile's is, in the same unit?",
+            "y_m",
         )
-        warnings.warn(UnusualValueWarning(text, "y_m"), stacklevel=1)
 
 
 def _check_resolution(release: Release, size: np.ndarray, profile: Profile) -> None:

@@ -13,7 +13,6 @@ on as if no barrier stood there: what is stopped is counted, and not removed.
 
 import enum
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -21,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ...errors import UnusualValueWarning
+from ...io.checks import warn_unusual
 from ...io.toml import Key, check_keys, number, one_line
 from ...reports.json_tree import plain
 from ...reports.tables import Table, place_text
@@ -94,20 +93,17 @@ def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
             raise key[name].error(
                 f"must be at most {LARGEST:g} m, but is {numbers[name]:g}"
             )
-        _warn_of_unusual(key, name, numbers[name])
+        if numbers[name] > (usual := USUAL.get(name, math.inf)):
+            warn_unusual(
+                f"is {numbers[name]:g}, while usual are up to {usual:g}; is it in "
+                "another unit?",
+                name,
+                **key[name].place,
+            )
     x, height, capacity = numbers.values()
     check_inside(profile, x, **key["x_m"].place)
     name = one_line(key, table, "name", f"barrier at {place_text(x, 6)} m")
     return Barrier(name, x, height, 1e3 * capacity)
-
-
-def _warn_of_unusual(key: Key, name: str, value: float) -> None:
-    if value > USUAL.get(name, math.inf):
-        text = (
-            f"{key.file}, key {key[name].name}: is {value:g}, while usual are up to "
-            f"{USUAL[name]:g}; is it in another unit?"
-        )
-        warnings.warn(UnusualValueWarning(text, name), stacklevel=2)
 
 
 DESIGN_PERCENTILES = (95, 99)

@@ -4,7 +4,6 @@ and its place on the map."""
 import hashlib
 import math
 import re
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..._packages import needed
-from ...errors import InputError, UnusualValueWarning
+from ...errors import InputError
+from ...io.checks import warn_unusual
 from ...io.files import read_input
 from ...io.toml import Key, known_table, number, of_kind, typed
 from ...units import DEGREE
@@ -232,8 +232,7 @@ def _warn_of_distant(
         )
     else:
         return
-    text = f"{key.file}, key {key.name}: {text}"
-    warnings.warn(UnusualValueWarning(text, "crs"), stacklevel=1)
+    warn_unusual(text, "crs", **key.place)
 
 
 def _is_near(area, longitude: float, latitude: float) -> bool:

@@ -9,7 +9,6 @@ import concurrent.futures
 import contextlib
 import json
 import time
-import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,8 +20,8 @@ from ..._packages import versions
 from ..._settings import numpy_settings
 from ...batch import Collector
 from ...code_state import digest, walk
-from ...errors import UnusualValueWarning
 from ...identity import name_of, name_with_fields
+from ...io.checks import warn_unusual
 from ...io.journal import Journal
 from ...parameters import Part
 from ...progress import Progress, ProgressFunction, as_progress
@@ -303,11 +302,11 @@ def _warn_of_speed(dataset: xr.Dataset) -> None:
     # A block that ends at its release may have none.
     fastest = np.fmax.reduce(speeds, initial=0.0)
     if fastest > FASTEST:
-        text = (
+        warn_unusual(
             f"a block reaches {fastest:.4g} m/s, while usual are up to {FASTEST:g}; is "
-            "the profile in feet, or another unit than metres?"
+            "the profile in feet, or another unit than metres?",
+            "max_speed_mps",
         )
-        warnings.warn(UnusualValueWarning(text, "max_speed_mps"), stacklevel=3)
 
 
 def _run_here(part: _Part, collector: Collector) -> None:
