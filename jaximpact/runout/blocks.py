@@ -19,7 +19,7 @@ from ..io.checks import check_scene
 from ..io.display import Rows, ShownAsTable, range_of
 from ..reports.tables import place_text
 from ..scene import GRAVITY, Block, Scene
-from ..shapes import AbstractShape, SemiAxes, each_shape, shape_by_shape
+from ..shapes import AbstractShape, SemiAxes, shape_by_shape
 from ..units import DEGREE
 from .coordinates import LARGEST
 from .lane_programs import Values, closed_form
@@ -224,13 +224,6 @@ class Release(ShownAsTable):
     def of_blocks(self, chosen: np.ndarray) -> "Release":
         """Select some blocks."""
         return Release(select(self.block, chosen), *select(self.body, chosen))
-
-    def by_shape(self) -> list[tuple["Release", np.ndarray]]:
-        """Divide the blocks by the class of their shapes, with the indices of each."""
-        return [
-            (Release(block, *body), np.arange(self.count)[lanes])
-            for (block, body), lanes in each_shape((self.block, self.body))
-        ]
 
     @property
     def body(self) -> Body:

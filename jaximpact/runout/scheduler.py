@@ -17,6 +17,7 @@ from ..io.checks import check_scene
 from ..progress import SILENT, Progress, ProgressFunction, as_progress
 from ..rebound import AbstractRebound
 from ..scene import Block, Impact, Scene, Soil, as_scene
+from ..shapes import each_shape
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .contacts.impact import strike
@@ -153,16 +154,14 @@ def follow(
     `simulate_runout`."""
     states, indices, done = [], [], 0
     # The coordinates of national grids are coarser than the distances of contacts.
-    origin = profile.origin
-    near = profile.from_origin if origin else profile
-    for alone, lanes in release.by_shape():
+    origin, near = profile.origin, profile.from_origin
+    for (block, body), places in each_shape((release.block, release.body)):
+        alone = Release(block, *body._replace(x=body.x - origin))
+        lanes = np.arange(release.count)[places]
         of_shape, laws = ground, contacts
         if len(lanes) < release.count:
             of_shape = (ground or Ground.of_profile(profile)).of_blocks(lanes)
             laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
-        if origin:
-            body = alone.body._replace(x=alone.x - origin)
-            alone = Release(alone.block, *body)
         state = RunState.at_release(near, alone, of_shape, limits)
         _advance(state, laws, width, _Counted(progress, done, release.count))
         done += len(lanes)

@@ -185,8 +185,8 @@ class RunState:
         cls,
         profile: Profile,
         release: Release,
-        ground: Ground | None = None,
-        limits: Limits = Limits(),  # noqa: B008, which is immutable
+        ground: Ground | None,
+        limits: Limits,
     ) -> "RunState":
         """Start all blocks; on the profile's own ground if no other is given."""
         n, surface = release.count, ground or profile

@@ -81,10 +81,8 @@ class SlopeFit:
         return np.stack(columns, axis=-1)
 
 
-def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
+def read_slope_fit(path: Path) -> SlopeFit:
     """Read a back-analysis; `jaximpact calibrate --help` describes the file.
-
-    The accuracy of the full model stands in place of the file's.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
@@ -103,7 +101,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     )
     if not parameters:
         raise top[FIT].error("names no parameter to fit")
-    slope = read_slope_input(path, _with_priors(content, fit, parameters), accuracy)
+    slope = read_slope_input(path, _with_priors(content, fit, parameters))
     if len(slope.laws) > 1:
         raise top["contacts"].error(f"names {len(slope.laws)} laws; a fit takes one")
     (law,) = slope.laws

@@ -258,7 +258,7 @@ def drawn_grounds(
 
 
 def grounds_of(
-    profile: Profile, materials: Sequence[str] = (), random: Collection[str] = ()
+    profile: Profile, materials: Sequence[str], random: Collection[str]
 ) -> tuple[list[int], list[list[str]]]:
     """Number the different grounds of a profile, in the order in which they come.
 

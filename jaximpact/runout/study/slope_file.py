@@ -147,7 +147,7 @@ class SlopeInput(NamedTuple):
     ) -> tuple[dict[str, np.ndarray], Release, Ground]:
         """Sample blocks with their releases and their ground.
 
-        Quantities that are not sampled have `given` values, `(count,)` by key.
+        Quantities that are not sampled have `fixed` values, `(count,)` by key.
 
         Returns:
             Samples by key, blocks at release, and the ground as each block finds it.
@@ -175,7 +175,9 @@ class SlopeInput(NamedTuple):
         return samples, release, ground
 
 
-def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeInput:
+def read_slope_input(
+    path: Path, content: dict, accuracy: str | None = None
+) -> SlopeInput:
     """Read what a study, with this content, says of ground, blocks, releases and laws;
     the accuracy of the full model stands in place of the file's.
 
