@@ -13,7 +13,7 @@ from ...io.scene_table import reads_as_number
 from ...io.toml import Key, check_keys, known_table, number, typed, whole
 from ...reports.tables import at_x
 from ..coordinates import FASTEST, HIGHEST_CLIFF, LARGEST_ENERGY
-from ..profile_formats import records_of_file
+from ..profile_formats import cell_error, records_of_file
 from ..terrain import Profile, check_inside
 
 KEYS = ("blocks", "stops", "passages", "counts", "held_out_m", "sigma")
@@ -101,9 +101,7 @@ class Observations(NamedTuple):
         return tuple(c for c in values if c.held_out)
 
 
-def read_observed(
-    path: Path, content: dict, profile: Profile, seed: int
-) -> Observations:
+def read_observed(top: Key, content: dict, profile: Profile, seed: int) -> Observations:
     """Read the table [observed] of a study, and the files that it names.
 
     The seed chooses blocks where there are more than `MOST_BLOCKS`.
@@ -111,7 +109,6 @@ def read_observed(
     Raises InputError, naming file, row and key, for whatever cannot be used. Warns of
     columns that are not used.
     """
-    top = Key(path)
     key = top["observed"]
     if "observed" not in content:
         raise key.error("needs a table [observed]")
@@ -122,10 +119,10 @@ def read_observed(
     places = typed(key, table, "held_out_m", list, [])
     held_out = [number(key["held_out_m"], x) for x in places]
     if "stops" in table:
-        inputs.append(path.parent / typed(key, table, "stops", str))
+        inputs.append(top.file.parent / typed(key, table, "stops", str))
         channels += _stops(inputs[-1], profile, remarks)
     if "passages" in table:
-        inputs.append(path.parent / typed(key, table, "passages", str))
+        inputs.append(top.file.parent / typed(key, table, "passages", str))
         channels += _passages(inputs[-1], profile, held_out, remarks)
     for x in held_out:
         if x not in {channel.place for channel in channels}:
@@ -152,7 +149,7 @@ def read_observed(
     check_keys(at, errors, (STOP_COLUMN, *PASSAGE_COLUMNS))
     sigma = {name: number(at[name], of, least=0.0) for name, of in errors.items()}
     for remark in remarks:
-        warnings.warn(f"{path}: {remark}", stacklevel=2)
+        warnings.warn(f"{top.file}: {remark}", stacklevel=2)
     return Observations(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
 
 
@@ -171,11 +168,11 @@ def _stops(file: Path, profile: Profile, remarks: list[str]) -> list[ObservedVal
     x = columns[STOP_COLUMN]
     for line, place in zip(lines, x, strict=True):
         if not profile.x[0] <= place <= profile.x[-1]:
-            raise InputError(
+            problem = (
                 f"must lie on the profile, x = {profile.x[0]:.10g} to "
-                f"{profile.x[-1]:.10g} m, but is {place:.10g}",
-                **{"file": file, "row": line, "column": STOP_COLUMN},
+                f"{profile.x[-1]:.10g} m, but is {place:.10g}"
             )
+            raise cell_error(file, problem, line, STOP_COLUMN)
     return [ObservedValues(STOP_COLUMN, None, x)]
 
 
@@ -194,10 +191,8 @@ def _passages(
     for name, values in columns.items():
         for line, value in zip(lines, values, strict=True):
             if value <= 0.0:
-                raise InputError(
-                    f"must be above 0, but is {value:g}",
-                    **{"file": file, "row": line, "column": name},
-                )
+                problem = f"must be above 0, but is {value:g}"
+                raise cell_error(file, problem, line, name)
         if np.any(unusual := values > (usual := USUAL[name])):
             i = int(np.argmax(unusual))
             warn_unusual(
@@ -240,10 +235,8 @@ def _columns(
             # The squares of larger numbers would leave the summaries.
             is_number = reads_as_number(cell) and abs(float(cell)) < 1e9
             if not is_number and (cell or name == needed):
-                raise InputError(
-                    f"must be a number, but is {cell!r}",
-                    **{"file": file, "row": line, "column": name},
-                )
+                problem = f"must be a number, but is {cell!r}"
+                raise cell_error(file, problem, line, name)
         columns[name] = np.array([float(cell) if cell else np.nan for cell in cells])
     return columns, [line for line, _ in rows]
 

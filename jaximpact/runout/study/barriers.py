@@ -14,7 +14,6 @@ on as if no barrier stood there: what is stopped is counted, and not removed.
 import enum
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -58,14 +57,14 @@ class Barrier(NamedTuple):
     [J]."""
 
 
-def read_barriers(path: Path, content: dict, profile: Profile) -> tuple[Barrier, ...]:
+def read_barriers(top: Key, content: dict, profile: Profile) -> tuple[Barrier, ...]:
     """Read the tables `[[barriers]]`, in their order; none where there are none.
 
     Raises InputError, naming file and key, for a barrier that is not on the profile,
     for heights and capacities that are not above 0, and for names that stand twice.
     Warns of heights and capacities that no barrier has.
     """
-    key, tables = Key(path)["barriers"], content.get("barriers", [])
+    key, tables = top["barriers"], content.get("barriers", [])
     if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
         raise key.error("must be tables, each under a line [[barriers]]")
     if len(tables) > MOST_BARRIERS:

@@ -45,10 +45,9 @@ class NamedLaw(NamedTuple):
         return re.sub(r"[\W_]+", "-", self.name.lower()).strip("-")
 
 
-def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]:
+def read_laws(top: Key, content: dict, accuracy: str | None) -> list[NamedLaw]:
     """Read one law from `[contacts]`, or as many as there are `[[contacts]]`; the
     accuracy of the full model stands in place of the file's."""
-    top = Key(path)
     key, tables = top["contacts"], content.get("contacts", {"law": FULL_MODEL})
     if isinstance(tables, list) and not tables:
         raise key.error("is an empty list")
@@ -174,7 +173,7 @@ def _tables(top: Key, name: str, table: dict) -> NamedLaw:
 
 
 def check_law(
-    path: Path, law: NamedLaw, profile: Profile, release: Release, ground: Ground
+    top: Key, law: NamedLaw, profile: Profile, release: Release, ground: Ground
 ) -> None:
     """Raise InputError where tables lack blocks or ground of a study."""
     if not isinstance(law.contacts, Tabulated):
@@ -193,4 +192,4 @@ def check_law(
         most + widest,
     )
     if problem:
-        raise Key(path)["contacts"]["files"].error(problem)
+        raise top["contacts"]["files"].error(problem)
