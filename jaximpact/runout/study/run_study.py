@@ -10,7 +10,7 @@ import contextlib
 import json
 import time
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import numpy as np
@@ -41,7 +41,7 @@ from .barriers import barrier_variables
 from .results import PREFIX, valid_blocks
 from .second_run import (
     LEFT_OUT,
-    SecondRun,
+    Run,
     differences,
     kinematics_of,
     second_run_of,
@@ -237,10 +237,8 @@ def run_slope_study(
     """
     columns, count = columns_of_rows(study), study.release.count
     second = second_run_of(study) if second_run else LEFT_OUT
-    again = second if isinstance(second, SecondRun) else None
-    parts = [_Part(study, np.arange(count), 0)]
-    if again is not None:
-        parts.append(_Part(*again, first=count))
+    again = second if isinstance(second, Run) else None
+    parts = [Run(study, np.arange(count), 0), *([again] if again else [])]
     total = sum(len(part.blocks) for part in parts)
     opened = contextlib.nullcontext()
     if journal is not None:
@@ -262,14 +260,6 @@ def run_slope_study(
     others = rows[:count].copy()
     others[again.blocks] = rows[count:]
     return _with_second(dataset, again.study, others)
-
-
-class _Part(NamedTuple):
-    """Blocks of a study, whose rows of numbers follow each other."""
-
-    study: SlopeStudy
-    blocks: np.ndarray  # their numbers
-    first: int  # place of the first row
 
 
 def _with_second(
@@ -309,7 +299,7 @@ def _warn_of_speed(dataset: xr.Dataset) -> None:
         )
 
 
-def _run_here(part: _Part, collector: Collector) -> None:
+def _run_here(part: Run, collector: Collector) -> None:
     size, waiting = FIRST_PORTION, _waiting(part, collector)
     while len(waiting):
         portion, waiting = waiting[:size], waiting[size:]
@@ -320,13 +310,13 @@ def _run_here(part: _Part, collector: Collector) -> None:
             size = min(GROWTH * size, WIDTH)
 
 
-def _waiting(part: _Part, collector: Collector) -> np.ndarray:
+def _waiting(part: Run, collector: Collector) -> np.ndarray:
     """Give the places of the blocks of a part that are not computed yet."""
     return np.flatnonzero(collector.missing[part.first :][: len(part.blocks)])
 
 
 def _run_elsewhere(
-    executor: concurrent.futures.Executor, part: _Part, collector: Collector
+    executor: concurrent.futures.Executor, part: Run, collector: Collector
 ) -> None:
     waiting = _waiting(part, collector)
     # 64 portions keep many workers busy; a lost worker costs 1024 blocks at most.

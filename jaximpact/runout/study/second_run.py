@@ -38,17 +38,17 @@ PASSAGES = {
 """Quantities of passages by their words: variable, unit and factor."""
 
 
-class SecondRun(NamedTuple):
-    """Blocks that are run again."""
+class Run(NamedTuple):
+    """Blocks of a study that are run, whose rows of numbers follow each other."""
 
     study: SlopeStudy
-    """The study, with the other kinematics."""
-    blocks: np.ndarray
-    """Numbers of the elongated blocks."""
+    blocks: np.ndarray  # their numbers
+    first: int  # place of the first row
 
 
-def second_run_of(study: SlopeStudy) -> SecondRun | str:
-    """Prepare the second run, or say why there is none."""
+def second_run_of(study: SlopeStudy) -> Run | str:
+    """Prepare the second run, of the elongated blocks by the other kinematics, whose
+    rows follow those of the first; or say why there is none."""
     if not isinstance(study.law.contacts, FullModel):
         return OTHER_LAW
     elongated = np.flatnonzero(study.release.outline.heave > 0.0)
@@ -61,7 +61,7 @@ def second_run_of(study: SlopeStudy) -> SecondRun | str:
     # A kinematics of the user's may have random parameters, which the other has not.
     inputs = study.inputs._replace(ground_samples={})
     again = study._replace(ground=ground.with_soil(soil), inputs=inputs)
-    return SecondRun(again, elongated)
+    return Run(again, elongated, study.release.count)
 
 
 def kinematics_of(study: SlopeStudy) -> str:
