@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError
 from ...io.checks import warn_unusual
 from ...io.scene_table import reads_as_number
-from ...io.toml import Key, check_keys, known_table, number, typed, whole
+from ...io.toml import Key, check_keys, known_table, number, of_kind, typed, whole
 from ...reports.tables import at_x
 from ..coordinates import FASTEST, HIGHEST_CLIFF, LARGEST_ENERGY
 from ..profile_formats import cell_error, records_of_file
@@ -245,9 +245,7 @@ def _counts(key: Key, table: dict, profile: Profile) -> list[ObservedCount]:
     counts = []
     for place, entry in enumerate(typed(key, table, "counts", list, []), 1):
         where = key["counts"][str(place)]
-        if not isinstance(entry, dict):
-            raise where.error(f"must be a table, but is {entry!r}")
-        check_keys(where, entry, COUNT_KEYS)
+        check_keys(where, of_kind(where, entry, dict), COUNT_KEYS)
         for name in COUNT_KEYS:
             if name not in entry:
                 raise where[name].error("is needed")

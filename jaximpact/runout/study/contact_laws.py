@@ -13,7 +13,7 @@ from ...accuracy import DEFAULT_ACCURACY, PRESETS
 from ...finding import file_of, find_class, shipped
 from ...identity import name_of
 from ...io.files import read_input
-from ...io.toml import Key, allowed, check_keys, choice, one_line, typed
+from ...io.toml import Key, allowed, check_keys, choice, of_kind, one_line, typed
 from ...lookup import Tabulated, read_table
 from ...quantities import InputColumn, own_columns
 from ...rebound import AbstractRebound
@@ -74,9 +74,7 @@ def read_laws(top: Key, content: dict, accuracy: str | None) -> list[NamedLaw]:
 
 def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:
     key = top["contacts"]
-    if not isinstance(table, dict):
-        raise key.error(f"must be a table, but is {table!r}")
-    law = typed(key, table, "law", str, FULL_MODEL)
+    law = typed(key, of_kind(key, table, dict), "law", str, FULL_MODEL)
     kind = _closed_form_class(top, law)
     if ":" in law and kind:
         law = kind.__name__
