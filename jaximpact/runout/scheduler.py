@@ -5,6 +5,8 @@ next contact, and then the impacts of all are computed together. A block that ha
 gives its place to the next. The trajectory of a block does not depend on the others.
 """
 
+from collections.abc import Iterator
+
 import jax
 import numpy as np
 from numpy.typing import ArrayLike
@@ -163,7 +165,8 @@ def follow(
             of_shape = (ground or Ground.of_profile(profile)).of_blocks(lanes)
             laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
         state = RunState.at_release(near, alone, of_shape, limits)
-        _advance(state, laws, width, _Counted(progress, done, release.count))
+        for ended in _advance(state, laws, width):
+            progress("blocks", done + ended, release.count)
         done += len(lanes)
         states.append(state)
         indices.append(lanes)
@@ -188,20 +191,9 @@ def follow(
     )
 
 
-class _Counted(Progress):
-    """Progress of the blocks of one shape, among all."""
-
-    def __init__(self, whole: Progress, before: int, count: int):
-        self._whole, self._before, self._count = whole, before, count
-
-    def __call__(self, what, done=None, total=None):
-        self._whole(what, self._before + (done or 0), self._count)
-
-
-def _advance(
-    state: RunState, contacts: Contacts, width: int, progress: Progress
-) -> None:
-    """Advance all blocks to the ends of their trajectories; see `simulate_runout`."""
+def _advance(state: RunState, contacts: Contacts, width: int) -> Iterator[int]:
+    """Advance all blocks to the ends of their trajectories; see `simulate_runout`.
+    Yields in each round how many have ended."""
     phase = state.blocks.phase
     active, waiting, blocks = np.zeros(0, int), 0, state.release.count
     while True:
@@ -209,7 +201,7 @@ def _advance(
         count = min(width - len(active), blocks - waiting)
         active = np.concatenate([active, np.arange(waiting, waiting + count)])
         waiting += count
-        progress("blocks", waiting - len(active), blocks)
+        yield waiting - len(active)
         if not len(active):
             break
         _move_to_contacts(state, active)
