@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import expect, real_numbers
+from ..errors import InputError
 from ..io.checks import check_scene
 from ..io.display import Rows, ShownAsTable, range_of
 from ..reports.tables import place_text
@@ -76,6 +77,18 @@ def outline_of(block: Block) -> BlockOutline:
 def select(tree, chosen):
     """Select lanes of every array in a tree."""
     return jax.tree.map(lambda leaf: leaf[chosen], tree)
+
+
+def common_shape(what: str, tree) -> tuple[int, ...]:
+    """Return the shape, of one axis at least, that the fields of a tree broadcast to.
+    Raises InputError, which says what they are, where they do not."""
+    shapes = [np.shape(leaf) for leaf in jax.tree.leaves(tree)]
+    try:
+        return np.broadcast_shapes(*shapes, (1,))
+    except ValueError:
+        raise InputError(
+            f"{what} must broadcast to one axis, but have shapes {sorted(set(shapes))}"
+        ) from None
 
 
 def put(tree, chosen, new) -> None:
@@ -181,14 +194,7 @@ class Release(ShownAsTable):
         expect("a release's block", block, Block)
         motion = Body(x, y, v_x, v_y, orientation, angular_velocity)._asdict()
         body = {n: real_numbers(f"a release's {n}", v) for n, v in motion.items()}
-        shapes = [np.shape(leaf) for leaf in (*jax.tree.leaves(block), *body.values())]
-        try:
-            shape = np.broadcast_shapes(*shapes, (1,))
-        except ValueError:
-            raise ValueError(
-                f"fields of a release must broadcast to one axis, but have shapes "
-                f"{sorted(set(shapes))}"
-            ) from None
+        shape = common_shape("fields of a release", (block, body))
         if len(shape) > 1 or 0 in shape:
             raise ValueError(
                 f"a release needs blocks along one axis, but got shape {shape}"
