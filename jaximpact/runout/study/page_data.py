@@ -24,7 +24,7 @@ from ..terrain import Profile, stretches
 from ..trajectory import Pieces, Runs, state_after
 from .drawing import bottom_of, drawn_grounds
 from .intervals import Percentile
-from .results import valid_blocks
+from .results import edges_of, valid_blocks
 from .run_study import PERCENTILES
 from .slope_file import SlopeStudy
 
@@ -208,10 +208,9 @@ def page_curves(dataset: xr.Dataset) -> dict:
         ]
         about = {"words": words, "unit": unit}
         quantities.append(about | {"values": kept, "percentiles": percentiles})
-    edges = [*dataset.bin_left_m.values.tolist(), float(dataset.bin_right_m.values[-1])]
     return {
         "blocks": int(np.sum(valid)),
-        "edges": edges,
+        "edges": edges_of(dataset).tolist(),
         "counts": counts,
         "ranks": ranks,
         "percents": list(PERCENTILES),

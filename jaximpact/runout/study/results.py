@@ -26,6 +26,11 @@ def counts_of(dataset: xr.Dataset) -> dict[str, int]:
     return json.loads(dataset.attrs["endings"])
 
 
+def edges_of(dataset: xr.Dataset) -> np.ndarray:
+    """Give the edges of the bins of x [m], `(bins + 1,)`."""
+    return np.append(dataset.bin_left_m.values, dataset.bin_right_m.values[-1])
+
+
 def second_of(dataset: xr.Dataset) -> tuple[str, xr.Dataset] | None:
     """Give the kinematics of the second run, and its results under the names of the
     first; None where there was none."""
