@@ -121,15 +121,14 @@ class Profile(ShownAsTable):
                     f"but got shape {np.shape(values)}"
                 ) from None
 
-        of_angles = {"rolling_friction_angle": rolling_friction_angle}
-        of_angles |= {"roughness": roughness}
-        fields = {}
-        for column in ground_columns(soil).values():
-            field, of_soil = column.field, column.part == "soil"
-            name = f"Soil.{field}" if of_soil else field
-            values = of_segments(
-                name, getattr(soil, field) if of_soil else of_angles[field]
-            )
+        angles = {ROLLING_COLUMN: rolling_friction_angle, ROUGHNESS_COLUMN: roughness}
+        checked = {}
+        for name, column in ground_columns(soil).items():
+            if name in angles:
+                values = of_segments(column.field, angles[name])
+            else:
+                values = getattr(soil, column.field)
+                values = of_segments(f"Soil.{column.field}", values)
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
                 i = int(np.argmin(allowed))
@@ -138,14 +137,12 @@ class Profile(ShownAsTable):
                     f"a profile's {column.name} must be {column.requirement}, but is "
                     f"{column.describe(values[i], column.si_unit, where)}"
                 )
-            fields[field] = values
-        angles = {
-            column.field: fields.pop(column.field) for column in ANGLE_COLUMNS.values()
-        }
+            checked[name] = values
+        soil, *of_angles = with_ground_values(soil, checked)
         # NumPy arrays, since they are looked up lane by lane.
-        soil = jax.tree.map(np.asarray, dataclasses.replace(soil, **fields))
-        for field, value in {"x": x, "y": y, "soil": soil, **angles}.items():
-            object.__setattr__(self, field, value)
+        values = x, y, jax.tree.map(np.asarray, soil), *of_angles
+        for field, value in zip(dataclasses.fields(self), values, strict=True):
+            object.__setattr__(self, field.name, value)
 
     @property
     def segments(self) -> int:
