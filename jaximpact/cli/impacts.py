@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -153,19 +152,19 @@ def as_text(result: "ImpactResult") -> str:
 def as_json(result: "ImpactResult") -> dict:
     """Return the same as a tree of plain values, None for NaN, with the manifest."""
     from .. import quantities
-
-    def number(owner, field: str) -> float | None:
-        value = float(getattr(owner, field))
-        return value if math.isfinite(value) else None
+    from ..reports.json_tree import plain
 
     columns = quantities.RESULT_COLUMNS | quantities.FURTHER_COLUMNS
     ledger = [column.field for column in quantities.ENERGY_COLUMNS.values()]
-    return {
-        quantities.OUTCOME_COLUMN: str(result.outcome),
-        **{name: number(result, column.field) for name, column in columns.items()},
-        "energy_J": {field: number(result.energy, field) for field in ledger},
-        "manifest": result.manifest(),
-    }
+    numbers = {name: float(getattr(result, c.field)) for name, c in columns.items()}
+    return plain(
+        {
+            quantities.OUTCOME_COLUMN: str(result.outcome),
+            **numbers,
+            "energy_J": {of: float(getattr(result.energy, of)) for of in ledger},
+            "manifest": result.manifest(),
+        }
+    )
 
 
 BATCH = """\

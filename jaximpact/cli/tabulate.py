@@ -90,16 +90,8 @@ def run(arguments: argparse.Namespace) -> None:
     )
     with files, resumable():
         with ProgressLines() as lines:
-            table = tabulate(
-                study.block,
-                study.soil,
-                slopes=study.slopes,
-                speeds=study.speeds,
-                nodes=study.nodes,
-                accuracy=study.accuracy,
-                journal=journal,
-                progress=partial(lines, "impacts of the table"),
-            )
+            progress = partial(lines, "impacts of the table")
+            table = tabulate(**study._asdict(), journal=journal, progress=progress)
         if arguments.out:
             write_table(arguments.out, table)
         if csv:

@@ -204,6 +204,12 @@ def check_field(
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)
 
 
+def warn_unusual(problem: str, quantity: str, **place) -> None:
+    """Warn of an unusual value; at its place, which is worded as in an InputError."""
+    text = str(InputError(problem, **place))
+    warnings.warn(UnusualValueWarning(text, quantity), stacklevel=2)
+
+
 def check_memory(numbers: float, what: str, **place) -> None:
     """Raise InputError unless so many numbers of eight bytes, at least, fit into this
     machine's memory.

@@ -218,12 +218,18 @@ def output_files(
 
 
 def _check_manifest(path: Path) -> None:
-    """Raise InputError for a file that is there, and is no manifest."""
-    if path.exists() and not _is_manifest(path):
-        raise InputError(
-            f"{path} is in the way, and no manifest says that jaximpact wrote it; move "
-            "it, or choose another name of results"
-        )
+    """Raise InputError for a file that is there, and does not say with which version of
+    this package it was written."""
+    if not path.exists():
+        return
+    with contextlib.suppress(ValueError, LookupError, TypeError, AttributeError):
+        tree = json.loads(read_input(path))
+        if "jaximpact" in tree.get("manifest", tree)["versions"]:
+            return
+    raise InputError(
+        f"{path} is in the way, and no manifest says that jaximpact wrote it; move it, "
+        "or choose another name of results"
+    )
 
 
 def _check_unowned(option: str, path: Path) -> None:
@@ -240,12 +246,3 @@ def _check_unowned(option: str, path: Path) -> None:
                 f"{option} {path} is among the results of jaximpact "
                 f"{mark['command']}; choose another name"
             )
-
-
-def _is_manifest(path: Path) -> bool:
-    """Tell whether a file says with which version of this package it was written."""
-    try:
-        tree = json.loads(read_input(path))
-        return "jaximpact" in tree.get("manifest", tree)["versions"]
-    except (ValueError, LookupError, TypeError, AttributeError):
-        return False

@@ -10,7 +10,6 @@ import hashlib
 import io
 import itertools
 import re
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._settings import collector_paused
-from ..errors import InputError, UnusualValueWarning, located
+from ..errors import InputError, located
 from ..parameters import Part
 from ..quantities import (
     CURVE_FILE,
@@ -43,7 +42,7 @@ from ..scene_quantities import (
     with_shapes,
 )
 from ..shapes import MixedShapes
-from .checks import NO_DATA
+from .checks import NO_DATA, warn_unusual
 from .files import check_text, read_input
 from .parquet import csv_of_frame, is_parquet, read_frame
 
@@ -154,7 +153,10 @@ def table_of(
     check_text(path, data)
     with located(file=path):
         table = _table_of(data, path, measured, Scene() if base is None else base)
-    _warn_of_unusual(table)
+    columns = columns_of(table.base)
+    for name, values in table.numbers.items():
+        if name in columns:
+            warn_of_unusual(path, columns[name], values, table.lines)
     return table
 
 
@@ -462,13 +464,6 @@ def reads_as_number(cell: str) -> bool:
     return "_" not in cell and cell.strip().isascii()
 
 
-def _warn_of_unusual(table: SceneTable) -> None:
-    columns = columns_of(table.base)
-    for name, values in table.numbers.items():
-        if name in columns:
-            warn_of_unusual(table.path, columns[name], values, table.lines)
-
-
 def warn_of_unusual(
     path: Path,
     column: InputColumn,
@@ -482,11 +477,6 @@ def warn_of_unusual(
         return
     index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
     where = f" and {more} more rows" if more else ""
-    warnings.warn(
-        UnusualValueWarning(
-            f"{path}, row {lines[index]}, column {column.name}: is "
-            f"{column.describe(values[index], column.unit, where)}",
-            column.name,
-        ),
-        stacklevel=4,
-    )
+    description = column.describe(values[index], column.unit, where)
+    place = {"file": path, "row": lines[index], "column": column.name}
+    warn_unusual(f"is {description}", column.name, **place)

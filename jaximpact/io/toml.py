@@ -6,18 +6,18 @@ import math
 import re
 import sys
 import tomllib
-import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ..accuracy import PRESETS
-from ..errors import InputError, UnusualValueWarning, check_choice, located
+from ..errors import InputError, check_choice, located
 from ..parameters import Composite, Part, parts_of
 from ..quantities import SLOTS, InputColumn, columns_of, why_unknown
 from ..scene import PARTS, Scene
 from ..scene_quantities import part_named, replaced_parts, scene_with
+from .checks import warn_unusual
 from .files import CONTROLS, NO_BACKSLASH, as_text, read_input
 
 LARGEST_WHOLE = 2**63 - 1
@@ -248,16 +248,10 @@ def quantity(key: Key, column: InputColumn, value) -> float:
     """Read a number that the column may hold, in its unit, as something has it; warns
     of one that is unusual."""
     checked = allowed(key, column, value)
-    warn_of_unusual(key, column, checked)
-    return checked
-
-
-def warn_of_unusual(key: Key, column: InputColumn, checked: float) -> None:
-    """Warn of a number, in the column's unit, that is unusual."""
     if column.is_unusual(checked):
         description = column.describe(checked, column.unit)
-        text = f"{key.file}, key {key.name}: is {description}"
-        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=3)
+        warn_unusual(f"is {description}", column.name, **key.place)
+    return checked
 
 
 def with_named_parts(key: Key, table: Mapping, whole: Composite) -> Composite:

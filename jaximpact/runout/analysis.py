@@ -231,12 +231,12 @@ def _largest_of_parts(
     summit = np.clip(summit, np.minimum(begin, stop), np.maximum(begin, stop))
     bodies = [state_after(p, time) for time in (begin, stop, summit)]
     trajectory = p.trajectory.astype(int)
-    mass, inertia = select(runs.release.mass_properties, trajectory)
+    of_parts = select(runs.release.mass_properties, trajectory)
     heights = [body.y - runs.profile.height(body.x) for body in bodies]
     squares = [body.v_x**2 + body.v_y**2 for body in bodies[:2]]
     energies = [
-        0.5 * (mass * squared + inertia * body.angular_velocity**2)
-        for squared, body in zip(squares, bodies[:2], strict=True)
+        of_parts.kinetic_energy(body.v_x, body.v_y, body.angular_velocity)
+        for body in bodies[:2]
     ]
     bin_of = np.searchsorted(edges, 0.5 * (cells[1:] + cells[:-1])) - 1
     bin_of = np.clip(bin_of, 0, len(edges) - 2)

@@ -7,7 +7,7 @@ axis; seen from the plane it is Theta = phi - w.
 """
 
 import dataclasses
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import expect, real_numbers
+from ..errors import InputError
 from ..io.checks import check_scene
 from ..io.display import Rows, ShownAsTable, range_of
 from ..reports.tables import place_text
 from ..scene import GRAVITY, Block, Scene
-from ..shapes import AbstractShape, SemiAxes, each_shape, shape_by_shape
+from ..shapes import AbstractShape, SemiAxes, shape_by_shape
 from ..units import DEGREE
 from .coordinates import LARGEST
 from .lane_programs import Values, closed_form
@@ -41,6 +42,10 @@ class MassProperties(NamedTuple):
 
     mass: Values  # mass [kg]
     inertia: Values  # about the out-of-plane axis through the centre [kg m2]
+
+    def kinetic_energy(self, v_x: Values, v_y: Values, spin: Values) -> Values:
+        """Compute the kinetic energy [J] of velocities along two axes."""
+        return 0.5 * (self.mass * (v_x**2 + v_y**2) + self.inertia * spin**2)
 
 
 class BlockOutline(NamedTuple):
@@ -74,11 +79,31 @@ def select(tree, chosen):
     return jax.tree.map(lambda leaf: leaf[chosen], tree)
 
 
+def common_shape(what: str, tree) -> tuple[int, ...]:
+    """Return the shape, of one axis at least, that the fields of a tree broadcast to.
+    Raises InputError, which says what they are, where they do not."""
+    shapes = [np.shape(leaf) for leaf in jax.tree.leaves(tree)]
+    try:
+        return np.broadcast_shapes(*shapes, (1,))
+    except ValueError:
+        raise InputError(
+            f"{what} must broadcast to one axis, but have shapes {sorted(set(shapes))}"
+        ) from None
+
+
 def put(tree, chosen, new) -> None:
     """Set lanes of every array in a tree to those of another tree."""
     pairs = zip(jax.tree.leaves(tree), jax.tree.leaves(new), strict=True)
     for leaf, values in pairs:
         leaf[chosen] = values
+
+
+def choose(condition: Values, yes: Any, no: Any) -> Any:
+    """Choose between two trees of one structure; what they have in common is left as it
+    is."""
+    return jax.tree.map(
+        lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no
+    )
 
 
 def fly(body: Body, time) -> Body:
@@ -169,14 +194,7 @@ class Release(ShownAsTable):
         expect("a release's block", block, Block)
         motion = Body(x, y, v_x, v_y, orientation, angular_velocity)._asdict()
         body = {n: real_numbers(f"a release's {n}", v) for n, v in motion.items()}
-        shapes = [np.shape(leaf) for leaf in (*jax.tree.leaves(block), *body.values())]
-        try:
-            shape = np.broadcast_shapes(*shapes, (1,))
-        except ValueError:
-            raise ValueError(
-                f"fields of a release must broadcast to one axis, but have shapes "
-                f"{sorted(set(shapes))}"
-            ) from None
+        shape = common_shape("fields of a release", (block, body))
         if len(shape) > 1 or 0 in shape:
             raise ValueError(
                 f"a release needs blocks along one axis, but got shape {shape}"
@@ -212,13 +230,6 @@ class Release(ShownAsTable):
     def of_blocks(self, chosen: np.ndarray) -> "Release":
         """Select some blocks."""
         return Release(select(self.block, chosen), *select(self.body, chosen))
-
-    def by_shape(self) -> list[tuple["Release", np.ndarray]]:
-        """Divide the blocks by the class of their shapes, with the indices of each."""
-        return [
-            (Release(block, *body), np.arange(self.count)[lanes])
-            for (block, body), lanes in each_shape((self.block, self.body))
-        ]
 
     @property
     def body(self) -> Body:

@@ -23,6 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..backend.simd.tables import address_of, entries
+from .blocks import select
 from .element_reach import reaches
 from .lane_programs import Values, closed_form
 from .terrain import Profile, straight_lines
@@ -52,10 +53,6 @@ class Elements(NamedTuple):
     on_curve: np.ndarray
     """True of a point of a curve: both points beside it bend the same way, by at least
     half as much."""
-
-    def at(self, places: np.ndarray) -> "Elements":
-        """Select elements."""
-        return Elements(*(column[places] for column in self))
 
 
 class Ahead(NamedTuple):
@@ -166,7 +163,7 @@ class CentrePath:
     ) -> np.ndarray:
         """Compute the heights at which circles would touch elements [m]; -inf where
         they cannot."""
-        ground, x, h = self.elements.at(element), x[:, None], radius[:, None]
+        ground, x, h = select(self.elements, element), x[:, None], radius[:, None]
         apart = h**2 - (x - ground.x) ** 2
         on_point = ground.y + np.sqrt(np.maximum(apart, 0.0))
         foot = x - h * ground.normal_x
@@ -271,7 +268,7 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     second[block, behind] = True
     filled = source < 0
     source[filled] = width - 1
-    parts = Ahead(*(values[rows, source] for values in ahead))
+    parts = select(ahead, (rows, source))
     # Half-way the normal is the mean of those at the ends.
     n_x = parts.start_normal_x + parts.stop_normal_x
     n_y = parts.start_normal_y + parts.stop_normal_y

@@ -5,13 +5,11 @@ A value that cannot be a coordinate is refused. A slope that is only larger, sma
 steeper than those on Earth is warned of, since nothing else can tell its unit.
 """
 
-import warnings
 from collections.abc import Iterator
 
 import numpy as np
 
-from ..errors import UnusualValueWarning
-from ..io.checks import NO_DATA
+from ..io.checks import NO_DATA, warn_unusual
 from ..io.display import range_of
 from ..reports.tables import place_text
 
@@ -114,11 +112,9 @@ def _is_code(values: np.ndarray) -> np.ndarray:
 def warn_of_unusual(x: np.ndarray, y: np.ndarray) -> None:
     """Warn, in one sentence, of a profile that is smaller, steeper, higher or longer
     than any slope, naming the unit that is likely to have been taken for metres."""
-    unusual = _unusual(x, y)
-    if unusual:
-        # Of one place, so that profiles made of this one do not warn of it again.
-        warning = UnusualValueWarning(f"a profile {unusual}", "profile")
-        warnings.warn(warning, stacklevel=1)
+    if unusual := _unusual(x, y):
+        # From one place, so that profiles made of this one do not warn of it again.
+        warn_unusual(f"a profile {unusual}", "profile")
 
 
 def _unusual(x: np.ndarray, y: np.ndarray) -> str | None:

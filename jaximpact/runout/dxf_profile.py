@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError, UnusualValueWarning, did_you_mean
+from ..errors import InputError, did_you_mean
+from ..io.checks import warn_unusual
 from ..io.files import read_input
 from .coordinates import LARGEST
 
@@ -236,8 +237,7 @@ def _kind(entity) -> str:
 
 
 def _warn(path: Path, text: str) -> None:
-    text = f"{path}: {text}"
-    warnings.warn(UnusualValueWarning(text, text), stacklevel=1)
+    warn_unusual(text, f"{path}: {text}", file=path)
 
 
 def _chords(path: Path, entity, metre: float) -> np.ndarray:

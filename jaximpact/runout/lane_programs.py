@@ -257,9 +257,8 @@ def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:
     return _Plan(used, passed, _template(jax.tree.structure(results))), reduced
 
 
-def closed_form(function: Callable) -> ClosedProgram:
-    """Make the program of a function of scalars that needs no steps."""
-    return ClosedProgram(function)
+closed_form = ClosedProgram
+"""Decorator of a function of scalars that needs no steps."""
 
 
 def _stop(state):

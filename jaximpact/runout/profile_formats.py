@@ -96,19 +96,19 @@ def read_profile_table(
         for line, cell in zip(lines, materials, strict=False):
             if not cell:
                 problem = "is empty; the name of a material is needed"
-                raise _error(path, problem, line, MATERIAL_COLUMN)
+                raise cell_error(path, problem, line, MATERIAL_COLUMN)
     numbers: dict[str, np.ndarray] = {}
     for name, column in cells.items():
         for line, cell in zip(lines, column, strict=True):
             if not reads_as_number(cell):
                 problem = f"must be a number, but is {cell!r}"
-                raise _error(path, problem, line, name)
+                raise cell_error(path, problem, line, name)
         numbers[name] = np.array([float(cell) for cell in column])
     x, y = (numbers.pop(name) for name in POINT_COLUMNS)
     for column, values in zip(POINT_COLUMNS, (x, y), strict=True):
         if bad := problem_with(values, column.removesuffix("_m")):
             place, problem = bad
-            raise _error(path, problem, lines[place], column)
+            raise cell_error(path, problem, lines[place], column)
     fields: dict[str, ArrayLike] = {}
     angles: dict[str, ArrayLike] = {
         "rolling_friction_angle": rolling_friction_angle,
@@ -122,7 +122,7 @@ def read_profile_table(
             place = int(np.argmin(allowed))
             number = column.describe(values[place], column.unit)
             problem = f"must be {column.requirement}, but is {number}"
-            raise _error(path, problem, lines[place], name)
+            raise cell_error(path, problem, lines[place], name)
         if warn:
             warn_of_unusual(path, column, values[:-1], lines)
         target = fields if name in of_soil else angles
@@ -136,7 +136,8 @@ def read_profile_table(
     return ProfileTable(profile, tuple(numbers), materials)
 
 
-def _error(path: Path, problem: str, line: int, column: str) -> InputError:
+def cell_error(path: Path, problem: str, line: int, column: str) -> InputError:
+    """Make the error of a cell in a file."""
     return InputError(problem, file=path, row=line, column=column)
 
 
@@ -185,7 +186,7 @@ def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None
         elif name in names[:place]:
             problem = "stands twice in the header"
         if problem:
-            raise _error(path, problem, line, name or str(place + 1))
+            raise cell_error(path, problem, line, name or str(place + 1))
     for name in POINT_COLUMNS:
         if name not in names:
             raise InputError(f"needs a column {name}", file=path, row=line)

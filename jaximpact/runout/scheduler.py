@@ -5,6 +5,8 @@ next contact, and then the impacts of all are computed together. A block that ha
 gives its place to the next. The trajectory of a block does not depend on the others.
 """
 
+from collections.abc import Iterator
+
 import jax
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +19,7 @@ from ..io.checks import check_scene
 from ..progress import SILENT, Progress, ProgressFunction, as_progress
 from ..rebound import AbstractRebound
 from ..scene import Block, Impact, Scene, Soil, as_scene
+from ..shapes import each_shape
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .contacts.impact import strike
@@ -153,18 +156,17 @@ def follow(
     `simulate_runout`."""
     states, indices, done = [], [], 0
     # The coordinates of national grids are coarser than the distances of contacts.
-    origin = profile.origin
-    near = profile.from_origin if origin else profile
-    for alone, lanes in release.by_shape():
+    origin, near = profile.origin, profile.from_origin
+    for (block, body), places in each_shape((release.block, release.body)):
+        alone = Release(block, *body._replace(x=body.x - origin))
+        lanes = np.arange(release.count)[places]
         of_shape, laws = ground, contacts
         if len(lanes) < release.count:
             of_shape = (ground or Ground.of_profile(profile)).of_blocks(lanes)
             laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
-        if origin:
-            body = alone.body._replace(x=alone.x - origin)
-            alone = Release(alone.block, *body)
         state = RunState.at_release(near, alone, of_shape, limits)
-        _advance(state, laws, width, _Counted(progress, done, release.count))
+        for ended in _advance(state, laws, width):
+            progress("blocks", done + ended, release.count)
         done += len(lanes)
         states.append(state)
         indices.append(lanes)
@@ -189,20 +191,9 @@ def follow(
     )
 
 
-class _Counted(Progress):
-    """Progress of the blocks of one shape, among all."""
-
-    def __init__(self, whole: Progress, before: int, count: int):
-        self._whole, self._before, self._count = whole, before, count
-
-    def __call__(self, what, done=None, total=None):
-        self._whole(what, self._before + (done or 0), self._count)
-
-
-def _advance(
-    state: RunState, contacts: Contacts, width: int, progress: Progress
-) -> None:
-    """Advance all blocks to the ends of their trajectories; see `simulate_runout`."""
+def _advance(state: RunState, contacts: Contacts, width: int) -> Iterator[int]:
+    """Advance all blocks to the ends of their trajectories; see `simulate_runout`.
+    Yields in each round how many have ended."""
     phase = state.blocks.phase
     active, waiting, blocks = np.zeros(0, int), 0, state.release.count
     while True:
@@ -210,7 +201,7 @@ def _advance(
         count = min(width - len(active), blocks - waiting)
         active = np.concatenate([active, np.arange(waiting, waiting + count)])
         waiting += count
-        progress("blocks", waiting - len(active), blocks)
+        yield waiting - len(active)
         if not len(active):
             break
         _move_to_contacts(state, active)

@@ -12,13 +12,13 @@ local line, would flatten them. Points that are much farther apart than s keep t
 heights, as nothing tells their noise from the ground.
 """
 
-import warnings
 from typing import NamedTuple
 
 import numpy as np
 
 from .._checks import real_number
-from ..errors import InputError, UnusualValueWarning
+from ..errors import InputError
+from ..io.checks import warn_unusual
 from . import libm
 
 
@@ -63,16 +63,18 @@ def smooth_heights(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
     smooth = y + _moves(x, y, length)
     spacing, moved = float(np.median(np.diff(x))), np.abs(smooth - y)
     if spacing > length:
-        _warn(
+        warn_unusual(
             f"a smoothing over {length:g} m leaves most of the noise of points that "
-            f"are {spacing:.3g} m apart; choose smooth_m several times as long"
+            f"are {spacing:.3g} m apart; choose smooth_m several times as long",
+            "smooth_m",
         )
     if np.max(moved) > 0.5:  # noise is smaller, walls are larger
         i = int(np.argmax(moved))
-        _warn(
+        warn_unusual(
             f"a smoothing over {length:g} m moves the profile by {moved[i]:.3g} m at "
             f"x = {x[i]:.10g} m: it rounds off walls and steps, which a shorter length "
-            "keeps"
+            "keeps",
+            "smooth_m",
         )
     return smooth
 
@@ -101,7 +103,3 @@ def _moves(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
     inverse = np.linalg.pinv(equations, rcond=1e-10, hermitian=True)
     # The polynomial's value at the point itself.
     return np.einsum("pi,ip->p", inverse[:, 0], heights)
-
-
-def _warn(text: str) -> None:
-    warnings.warn(UnusualValueWarning(text, "smooth_m"), stacklevel=2)

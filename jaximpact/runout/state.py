@@ -2,7 +2,7 @@
 
 import dataclasses
 import enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -116,14 +116,6 @@ class BlockState(NamedTuple):
         return self._replace(events=events).ended(Ending.event_limit, many)
 
 
-def choose(condition: Values, yes: Any, no: Any) -> Any:
-    """Choose between two trees of one structure; what they have in common is left as it
-    is."""
-    return jax.tree.map(
-        lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no
-    )
-
-
 class BlockConstants(NamedTuple):
     """Constants of a block, or of many, arrays `(blocks,)`."""
 
@@ -193,8 +185,8 @@ class RunState:
         cls,
         profile: Profile,
         release: Release,
-        ground: Ground | None = None,
-        limits: Limits = Limits(),  # noqa: B008, which is immutable
+        ground: Ground | None,
+        limits: Limits,
     ) -> "RunState":
         """Start all blocks; on the profile's own ground if no other is given."""
         n, surface = release.count, ground or profile

@@ -121,15 +121,14 @@ class Profile(ShownAsTable):
                     f"but got shape {np.shape(values)}"
                 ) from None
 
-        of_angles = {"rolling_friction_angle": rolling_friction_angle}
-        of_angles |= {"roughness": roughness}
-        fields = {}
-        for column in ground_columns(soil).values():
-            field, of_soil = column.field, column.part == "soil"
-            name = f"Soil.{field}" if of_soil else field
-            values = of_segments(
-                name, getattr(soil, field) if of_soil else of_angles[field]
-            )
+        angles = {ROLLING_COLUMN: rolling_friction_angle, ROUGHNESS_COLUMN: roughness}
+        checked = {}
+        for name, column in ground_columns(soil).items():
+            if name in angles:
+                values = of_segments(column.field, angles[name])
+            else:
+                values = getattr(soil, column.field)
+                values = of_segments(f"Soil.{column.field}", values)
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
                 i = int(np.argmin(allowed))
@@ -138,14 +137,12 @@ class Profile(ShownAsTable):
                     f"a profile's {column.name} must be {column.requirement}, but is "
                     f"{column.describe(values[i], column.si_unit, where)}"
                 )
-            fields[field] = values
-        angles = {
-            column.field: fields.pop(column.field) for column in ANGLE_COLUMNS.values()
-        }
+            checked[name] = values
+        soil, *of_angles = with_ground_values(soil, checked)
         # NumPy arrays, since they are looked up lane by lane.
-        soil = jax.tree.map(np.asarray, dataclasses.replace(soil, **fields))
-        for field, value in {"x": x, "y": y, "soil": soil, **angles}.items():
-            object.__setattr__(self, field, value)
+        values = x, y, jax.tree.map(np.asarray, soil), *of_angles
+        for field, value in zip(dataclasses.fields(self), values, strict=True):
+            object.__setattr__(self, field.name, value)
 
     @property
     def segments(self) -> int:
@@ -228,10 +225,7 @@ class Profile(ShownAsTable):
         more than 0.5 m, as those of walls do, and of a length below the distance of the
         points.
         """
-        y = smooth_heights(self.x, self.y, length)
-        return Profile(
-            self.x, y, self.soil, self.rolling_friction_angle, self.roughness
-        )
+        return dataclasses.replace(self, y=smooth_heights(self.x, self.y, length))
 
     def display_rows(self) -> tuple[str, Rows]:
         """Give the number of segments, and ranges of what they are."""
@@ -348,16 +342,14 @@ class Ground:
         expect("a ground's soil", soil, Soil)
         whole_number("a ground's seed", seed, 0)
         # NumPy arrays, since they are looked up lane by lane.
-        fields = {
-            "soil": jax.tree.map(lambda leaf: np.asarray(leaf, float), soil),
-            "rolling_friction_angle": rolling_friction_angle,
-            "roughness": roughness,
-            "seed": seed,
-            "numbers": numbers,
-        }
-        for name in ("rolling_friction_angle", "roughness"):
-            values = real_numbers(f"a ground's {name}", fields[name])
-            fields[name] = np.asarray(values, float)
+        soil = jax.tree.map(lambda leaf: np.asarray(leaf, float), soil)
+        angles = [
+            np.asarray(real_numbers(f"a ground's {name}", values), float)
+            for name, values in (
+                ("rolling_friction_angle", rolling_friction_angle),
+                ("roughness", roughness),
+            )
+        ]
         if numbers is not None:
             given = np.asarray(real_numbers("a ground's numbers", numbers))
             whole = np.clip(np.floor(given), 0.0, 2.0**53)
@@ -366,9 +358,10 @@ class Ground:
                     "a ground's numbers must be a list of whole numbers from 0, but "
                     f"are {numbers!r}"
                 )
-            fields["numbers"] = whole.astype(int)
-        for name, value in fields.items():
-            object.__setattr__(self, name, value)
+            numbers = whole.astype(int)
+        values = soil, *angles, seed, numbers
+        for field, value in zip(dataclasses.fields(self), values, strict=True):
+            object.__setattr__(self, field.name, value)
         columns = ground_columns(self.soil)
         for name, values in ground_values(self).items():
             column = columns[name]
@@ -389,10 +382,7 @@ class Ground:
 
     def with_soil(self, soil: Soil) -> "Ground":
         """Put another soil in place."""
-        return Ground(
-            *(soil, self.rolling_friction_angle, self.roughness),
-            *(self.seed, self.numbers),
-        )
+        return dataclasses.replace(self, soil=soil)
 
     def of_blocks(self, chosen: np.ndarray) -> "Ground":
         """Select the ground of some blocks, which keep their numbers."""

@@ -285,26 +285,25 @@ class Runs(ShownAsTable):
         """Compute kinetic and potential energy at the start of each piece [J], shape
         `(pieces,)`, with the height measured from y = 0."""
         pieces = self.pieces
-        mass, inertia = select(self.release.mass_properties, pieces.trajectory)
-        return (
-            0.5 * mass * (pieces.v_x**2 + pieces.v_y**2)
-            + 0.5 * inertia * pieces.angular_velocity**2
-            + mass * GRAVITY * pieces.y
+        of_each = select(self.release.mass_properties, pieces.trajectory)
+        kinetic = of_each.kinetic_energy(
+            pieces.v_x, pieces.v_y, pieces.angular_velocity
         )
+        return kinetic + of_each.mass * GRAVITY * pieces.y
 
     def impact_energies(self) -> ImpactEnergies:
         """Compute the energies of all impacts; touches too slow to be an impact, and
         impacts that failed, are left out."""
         known = (self.contacts.outcome >= 0) & (self.contacts.outcome != Outcome.failed)
         c = select(self.contacts, known)
-        mass, inertia = select(self.release.mass_properties, c.trajectory)
-
-        def kinetic(v_n: Values, v_t: Values, spin: Values) -> Values:
-            return 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
-
+        of_each = select(self.release.mass_properties, c.trajectory)
         v_n = c.normal_velocity_before
-        before = kinetic(v_n, c.tangential_velocity_before, c.angular_velocity_before)
-        after = kinetic(c.normal_velocity, c.tangential_velocity, c.angular_velocity)
+        before = of_each.kinetic_energy(
+            v_n, c.tangential_velocity_before, c.angular_velocity_before
+        )
+        after = of_each.kinetic_energy(
+            c.normal_velocity, c.tangential_velocity, c.angular_velocity
+        )
         comes_down = v_n > 0.0
         e_n = -c.normal_velocity / np.where(comes_down, v_n, 1.0)
         return ImpactEnergies(
@@ -312,7 +311,7 @@ class Runs(ShownAsTable):
             energy=before,
             arm_work=c.arm_work,
             e_n=np.where(comes_down, e_n, np.nan),
-            gain=after - before + mass * GRAVITY * (c.y_after - c.y),
+            gain=after - before + of_each.mass * GRAVITY * (c.y_after - c.y),
         )
 
     def path(self, trajectory: int, spacing: float = 0.05) -> dict[str, np.ndarray]:

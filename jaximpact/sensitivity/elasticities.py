@@ -170,13 +170,21 @@ def elasticities(
     inputs = parameter_columns(scenes, parameters)
     scenes, count = broadcast_scene(scenes)
     impacts = count * len(inputs) * (1 + POINTS * bool(check))
-    counter = _Counter(as_progress(progress), impacts)
-    numbers, slopes = derivatives(scenes, inputs, setting, counter)
+    tell, done = as_progress(progress), 0
+
+    def count_more(more: int) -> None:
+        nonlocal done
+        # Impacts of the second step are not in the total.
+        done = min(done + more, impacts)
+        tell("impacts", done, impacts)
+
+    numbers, slopes = derivatives(scenes, inputs, setting, count_more)
     of_parameters = [
-        _one_parameter(scenes, c, results, setting, check, counter, numbers, by)
+        _one_parameter(scenes, c, results, setting, check, count_more, numbers, by)
         for c, by in zip(inputs, slopes, strict=True)
     ]
-    counter.end()
+    if done < impacts:  # what had no neighbours
+        count_more(impacts)
     values = {
         name: np.stack([one[name] for one in of_parameters], axis=1)
         for name in of_parameters[0]
@@ -261,20 +269,6 @@ _ATTRIBUTES = {
     OUTCOME_COLUMN: variable_attributes(OUTCOME_MEANING),
 }
 """Variables of the dataset, in their order."""
-
-
-class _Counter:
-    def __init__(self, progress: Progress, total: int):
-        self.progress, self.total, self.done = progress, total, 0
-
-    def __call__(self, more: int) -> None:
-        # Impacts of the second step are not in the total.
-        self.done = min(self.done + more, self.total)
-        self.progress("impacts", self.done, self.total)
-
-    def end(self) -> None:
-        if self.done < self.total:  # what had no neighbours
-            self(self.total - self.done)
 
 
 def derivatives(
@@ -419,7 +413,7 @@ def _one_parameter(
     results: tuple[ResultColumn, ...],
     setting: Accuracy,
     check: bool,
-    counter: _Counter,
+    done: Callable[[int], None],
     numbers: ImpactSummary,
     slopes: ImpactSummary,
 ) -> dict[str, np.ndarray]:
@@ -447,7 +441,7 @@ def _one_parameter(
     variables = {"elasticity": elasticity, "derivative": derivative, "state": state}
     if check:
         size = np.where(zero, sizes, np.abs(values))
-        return variables | _check(scene, column, results, derivative, size, counter)
+        return variables | _check(scene, column, results, derivative, size, done)
     return variables | {
         "derivative_by_differences": np.full_like(values, np.nan),
         "disagreement": np.full_like(values, np.nan),
@@ -455,7 +449,7 @@ def _one_parameter(
     }
 
 
-def _check(scene, column, results, derivative, size, counter) -> dict[str, np.ndarray]:
+def _check(scene, column, results, derivative, size, done) -> dict[str, np.ndarray]:
     """Compare with differences at the first step, then at the second where the first
     does not confirm."""
     places = np.arange(len(derivative))
@@ -463,7 +457,7 @@ def _check(scene, column, results, derivative, size, counter) -> dict[str, np.nd
     for step in STEPS:
         part = jax.tree.map(lambda x, places=places: np.asarray(x)[places], scene)
         judged = _judge(
-            *differences(part, column, results, step, counter),
+            *differences(part, column, results, step, done),
             derivative[places],
             size[places],
             size_of(column, value_of(part, column))[:, None],

@@ -17,6 +17,7 @@ from jaximpact.accuracy import get_accuracy
 from jaximpact.batch import broadcast_scene, compute_part, summary_of
 from jaximpact.cli import main
 from jaximpact.errors import InputError
+from jaximpact.io.toml import Key
 from jaximpact.laws import DeepestPoint, WorkConjugate
 from jaximpact.runout import (
     Profile,
@@ -28,11 +29,11 @@ from jaximpact.runout import (
 from jaximpact.runout.study.ground_file import GroundInput
 from jaximpact.runout.study.intervals import is_apart
 from jaximpact.runout.study.report_page import slope_report
+from jaximpact.runout.study.results import PREFIX
 from jaximpact.runout.study.run_study import simulate as simulate_blocks
 from jaximpact.runout.study.second_run import (
     LEFT_OUT,
     OTHER_LAW,
-    PREFIX,
     ROUND,
     differences,
 )
@@ -194,7 +195,7 @@ def test_the_kinematics_of_a_run_out(tmp_path):
     named = study_of(tmp_path, "[ground]\nkinematics = 'DeepestPoint'")
     assert isinstance(named.ground.soil.kinematics, DeepestPoint)
     beside_tables = {"contacts": [{"law": "full model"}, {"law": "table"}]}
-    soil = GroundInput.read(tmp_path / "slope.toml", beside_tables).soil
+    soil = GroundInput.read(Key(tmp_path / "slope.toml"), beside_tables).soil
     assert isinstance(soil.kinematics, DeepestPoint)
     assert isinstance(Soil().kinematics, DeepestPoint)
 

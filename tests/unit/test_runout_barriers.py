@@ -12,6 +12,7 @@ import shapely
 from error_messages import warned_once
 
 from jaximpact.errors import InputError, UnusualValueWarning
+from jaximpact.io.toml import Key
 from jaximpact.runout import Barrier, Profile
 from jaximpact.runout.study.barriers import effects_of, read_barriers
 from jaximpact.runout.study.map_files import Layer, write_geojson, write_geopackage
@@ -32,7 +33,7 @@ LAYER = Layer(
 
 
 def barriers(tmp_path, *tables):
-    return read_barriers(tmp_path / "slope.toml", {"barriers": [*tables]}, PROFILE)
+    return read_barriers(Key(tmp_path / "slope.toml"), {"barriers": [*tables]}, PROFILE)
 
 
 def test_barriers_are_read_in_si(tmp_path):
@@ -41,7 +42,7 @@ def test_barriers_are_read_in_si(tmp_path):
         Barrier("fence", 120.0, 3.0, 250_500.0),
         Barrier("barrier at 120 m", 120.0, 3.0, 250_500.0),
     )
-    assert read_barriers(tmp_path, {}, PROFILE) == ()
+    assert read_barriers(Key(tmp_path), {}, PROFILE) == ()
 
 
 @pytest.mark.parametrize(
@@ -92,7 +93,7 @@ def test_names_tell_barriers_apart(tmp_path):
 @pytest.mark.parametrize("value", [BARRIER, [3], "fence"])
 def test_barriers_must_be_tables(tmp_path, value):
     with pytest.raises(InputError, match=r"key barriers: must be tables"):
-        read_barriers(tmp_path / "slope.toml", {"barriers": value}, PROFILE)
+        read_barriers(Key(tmp_path / "slope.toml"), {"barriers": value}, PROFILE)
 
 
 def test_effects_at_a_barrier():
@@ -106,15 +107,18 @@ def test_effects_at_a_barrier():
 
 
 def test_places_on_the_map(tmp_path):
-    place = read_map_placement(tmp_path, {"profile": PLACE}, PROFILE)
+    place = read_map_placement(Key(tmp_path), {"profile": PLACE}, PROFILE)
     assert place is not None
     assert (place.crs, place.code) == ("EPSG:2056", 2056)
     easting, northing = place.coordinates(np.array([0.0, 100.0]))
     # Of 100 m in the direction N 30 E, half go to the east.
     np.testing.assert_allclose(easting, [2600000.0, 2600050.0], rtol=1e-15)
     np.testing.assert_allclose(northing, [1200000.0, 1200000 + 50 * 3**0.5])
-    assert read_map_placement(tmp_path, {"profile": {"csv": "a.csv"}}, PROFILE) is None
-    assert read_map_placement(tmp_path, {}, PROFILE) is None
+    assert (
+        read_map_placement(Key(tmp_path), {"profile": {"csv": "a.csv"}}, PROFILE)
+        is None
+    )
+    assert read_map_placement(Key(tmp_path), {}, PROFILE) is None
 
 
 @pytest.mark.parametrize(
@@ -140,7 +144,7 @@ def test_places_on_the_map(tmp_path):
 def test_maps_with_other_lengths_are_warned_of(tmp_path, crs, origin, said):
     place = {"profile": PLACE | {"crs": crs, "origin": origin}}
     with warned_once(UnusualValueWarning, said):
-        read_map_placement(tmp_path / "slope.toml", place, PROFILE)
+        read_map_placement(Key(tmp_path / "slope.toml"), place, PROFILE)
 
 
 def test_a_profile_far_from_its_origin_lies_where_it_lies(tmp_path):
@@ -149,7 +153,7 @@ def test_a_profile_far_from_its_origin_lies_where_it_lies(tmp_path):
     for northing, said in ((700_000, None), (1_200_000, "outside of the area")):
         place = {"profile": PLACE | {"origin": [2_600_000, northing], "azimuth_deg": 0}}
         with warned_once(UnusualValueWarning, said):
-            read_map_placement(tmp_path / "slope.toml", place, far)
+            read_map_placement(Key(tmp_path / "slope.toml"), place, far)
 
 
 @pytest.mark.parametrize(
@@ -176,14 +180,14 @@ def test_a_profile_far_from_its_origin_lies_where_it_lies(tmp_path):
 def test_bad_places_are_refused(tmp_path, message, changes):
     table = {k: v for k, v in (PLACE | changes).items() if v is not None}
     with pytest.raises(InputError, match=rf"slope.toml, key profile\.{message}"):
-        read_map_placement(tmp_path / "slope.toml", {"profile": table}, PROFILE)
+        read_map_placement(Key(tmp_path / "slope.toml"), {"profile": table}, PROFILE)
 
 
 @pytest.mark.parametrize("package", ["pyproj", "pyogrio", "shapely"])
 def test_maps_name_the_package_that_they_need(tmp_path, monkeypatch, package):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(InputError, match=rf"crs needs .* {package}.*jaximpact\[maps\]"):
-        read_map_placement(tmp_path, {"profile": PLACE}, PROFILE)
+        read_map_placement(Key(tmp_path), {"profile": PLACE}, PROFILE)
 
 
 def test_geojson_by_hand(tmp_path):

@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import InputError, UnusualValueWarning
+from ...errors import InputError
+from ...io.checks import warn_unusual
 from ...io.scene_table import reads_as_number
-from ...io.toml import Key, check_keys, known_table, number, typed, whole
+from ...io.toml import Key, check_keys, known_table, number, of_kind, typed, whole
 from ...reports.tables import at_x
 from ..coordinates import FASTEST, HIGHEST_CLIFF, LARGEST_ENERGY
-from ..profile_formats import records_of_file
+from ..profile_formats import cell_error, records_of_file
 from ..terrain import Profile, check_inside
 
 KEYS = ("blocks", "stops", "passages", "counts", "held_out_m", "sigma")
@@ -100,9 +101,7 @@ class Observations(NamedTuple):
         return tuple(c for c in values if c.held_out)
 
 
-def read_observed(
-    path: Path, content: dict, profile: Profile, seed: int
-) -> Observations:
+def read_observed(top: Key, content: dict, profile: Profile, seed: int) -> Observations:
     """Read the table [observed] of a study, and the files that it names.
 
     The seed chooses blocks where there are more than `MOST_BLOCKS`.
@@ -110,7 +109,6 @@ def read_observed(
     Raises InputError, naming file, row and key, for whatever cannot be used. Warns of
     columns that are not used.
     """
-    top = Key(path)
     key = top["observed"]
     if "observed" not in content:
         raise key.error("needs a table [observed]")
@@ -121,10 +119,10 @@ def read_observed(
     places = typed(key, table, "held_out_m", list, [])
     held_out = [number(key["held_out_m"], x) for x in places]
     if "stops" in table:
-        inputs.append(path.parent / typed(key, table, "stops", str))
+        inputs.append(top.file.parent / typed(key, table, "stops", str))
         channels += _stops(inputs[-1], profile, remarks)
     if "passages" in table:
-        inputs.append(path.parent / typed(key, table, "passages", str))
+        inputs.append(top.file.parent / typed(key, table, "passages", str))
         channels += _passages(inputs[-1], profile, held_out, remarks)
     for x in held_out:
         if x not in {channel.place for channel in channels}:
@@ -151,7 +149,7 @@ def read_observed(
     check_keys(at, errors, (STOP_COLUMN, *PASSAGE_COLUMNS))
     sigma = {name: number(at[name], of, least=0.0) for name, of in errors.items()}
     for remark in remarks:
-        warnings.warn(f"{path}: {remark}", stacklevel=2)
+        warnings.warn(f"{top.file}: {remark}", stacklevel=2)
     return Observations(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
 
 
@@ -170,11 +168,11 @@ def _stops(file: Path, profile: Profile, remarks: list[str]) -> list[ObservedVal
     x = columns[STOP_COLUMN]
     for line, place in zip(lines, x, strict=True):
         if not profile.x[0] <= place <= profile.x[-1]:
-            raise InputError(
+            problem = (
                 f"must lie on the profile, x = {profile.x[0]:.10g} to "
-                f"{profile.x[-1]:.10g} m, but is {place:.10g}",
-                **{"file": file, "row": line, "column": STOP_COLUMN},
+                f"{profile.x[-1]:.10g} m, but is {place:.10g}"
             )
+            raise cell_error(file, problem, line, STOP_COLUMN)
     return [ObservedValues(STOP_COLUMN, None, x)]
 
 
@@ -193,11 +191,16 @@ def _passages(
     for name, values in columns.items():
         for line, value in zip(lines, values, strict=True):
             if value <= 0.0:
-                raise InputError(
-                    f"must be above 0, but is {value:g}",
-                    **{"file": file, "row": line, "column": name},
-                )
-        _warn_of_unusual(file, name, values, lines)
+                problem = f"must be above 0, but is {value:g}"
+                raise cell_error(file, problem, line, name)
+        if np.any(unusual := values > (usual := USUAL[name])):
+            i = int(np.argmax(unusual))
+            warn_unusual(
+                f"is {values[i]:g}, while usual are up to {usual:g}; is it a mark for "
+                "no data, or in another unit?",
+                name,
+                **{"file": file, "row": lines[i], "column": name},
+            )
         for x in np.unique(places).tolist():
             here = values[(places == x) & np.isfinite(values)]
             if len(here):
@@ -205,22 +208,6 @@ def _passages(
     if not channels:
         raise InputError("holds no measured value", file=file)
     return channels
-
-
-def _warn_of_unusual(
-    file: Path, name: str, values: np.ndarray, lines: list[int]
-) -> None:
-    """Warn of the first value that hardly any block has: a mark for no data, or another
-    unit."""
-    usual = USUAL[name]
-    unusual = values > usual
-    if np.any(unusual):
-        i = int(np.argmax(unusual))
-        text = (
-            f"{file}, row {lines[i]}, column {name}: is {values[i]:g}, while usual are "
-            f"up to {usual:g}; is it a mark for no data, or in another unit?"
-        )
-        warnings.warn(UnusualValueWarning(text, name), stacklevel=2)
 
 
 def _columns(
@@ -248,10 +235,8 @@ def _columns(
             # The squares of larger numbers would leave the summaries.
             is_number = reads_as_number(cell) and abs(float(cell)) < 1e9
             if not is_number and (cell or name == needed):
-                raise InputError(
-                    f"must be a number, but is {cell!r}",
-                    **{"file": file, "row": line, "column": name},
-                )
+                problem = f"must be a number, but is {cell!r}"
+                raise cell_error(file, problem, line, name)
         columns[name] = np.array([float(cell) if cell else np.nan for cell in cells])
     return columns, [line for line, _ in rows]
 
@@ -260,9 +245,7 @@ def _counts(key: Key, table: dict, profile: Profile) -> list[ObservedCount]:
     counts = []
     for place, entry in enumerate(typed(key, table, "counts", list, []), 1):
         where = key["counts"][str(place)]
-        if not isinstance(entry, dict):
-            raise where.error(f"must be a table, but is {entry!r}")
-        check_keys(where, entry, COUNT_KEYS)
+        check_keys(where, of_kind(where, entry, dict), COUNT_KEYS)
         for name in COUNT_KEYS:
             if name not in entry:
                 raise where[name].error("is needed")

@@ -81,10 +81,8 @@ class SlopeFit:
         return np.stack(columns, axis=-1)
 
 
-def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
+def read_slope_fit(path: Path) -> SlopeFit:
     """Read a back-analysis; `jaximpact calibrate --help` describes the file.
-
-    The accuracy of the full model stands in place of the file's.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
@@ -97,13 +95,13 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     numbers = {"data_sets": fit.pop("data_sets", DATA_SETS)}
     # The regression takes the nearest 20 %, and needs 25 for each coefficient.
     data_sets = whole(top[FIT], numbers, "data_sets", DATA_SETS, 200)
-    soil = GroundInput.read(path, content).soil
+    soil = GroundInput.read(top, content).soil
     parameters = tuple(
         _parameter(top, *prior) for prior in _priors(top, content, fit, soil)
     )
     if not parameters:
         raise top[FIT].error("names no parameter to fit")
-    slope = read_slope_input(path, _with_priors(content, fit, parameters), accuracy)
+    slope = read_slope_input(top, _with_priors(content, fit, parameters))
     if len(slope.laws) > 1:
         raise top["contacts"].error(f"names {len(slope.laws)} laws; a fit takes one")
     (law,) = slope.laws
@@ -116,7 +114,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     # What was observed and what the priors are changes no simulated block.
     rest = {k: v for k, v in content.items() if k not in ("observed", FIT, "title")}
     files = by_name(slope.checksums | law.checksums)
-    observed = read_observed(path, content, profile, slope.seed)
+    observed = read_observed(top, content, profile, slope.seed)
     # Those of a user with a digest of their code: data sets of other code are not used.
     parts = part_names(slope.ground.soil, slope.blocks.base)
     back_analysis = SlopeFit(
@@ -125,7 +123,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
         slope=slope._replace(laws=[law]),
         parameters=parameters,
         observed=observed,
-        barriers=read_barriers(path, content, profile),
+        barriers=read_barriers(top, content, profile),
         data_sets=data_sets,
         identity=json.dumps([rest, files, law.description, parts], default=str),
     )

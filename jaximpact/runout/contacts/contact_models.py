@@ -78,8 +78,13 @@ class ClosedForm:
             )
         if not callable(self.law):
             raise InputError(f"law must be a law of rebound, but is {self.law!r}")
-        if isinstance(self.law, AbstractRebound):
-            _check_values(self.law)
+        if not isinstance(self.law, AbstractRebound):
+            return
+        for column in own_columns(type(self.law)):
+            value = getattr(self.law, column.field)
+            if not isinstance(value, Tracer):
+                name = f"{type(self.law).__name__}.{column.field}"
+                check_field(name, column, value, warn=False, of="block")
 
     def check_count(self, count: int) -> None:
         """Raise InputError for parameters that are neither scalars nor one for each of
@@ -108,15 +113,6 @@ class ClosedForm:
         finite = np.all(np.isfinite(after), axis=0)
         outcome = np.where(finite, int(Outcome.detached), int(Outcome.failed))
         return ImpactResponses(response, outcome)
-
-
-def _check_values(law: AbstractRebound) -> None:
-    """Raise InputError for a parameter that is out of its range."""
-    for column in own_columns(type(law)):
-        value = getattr(law, column.field)
-        if not isinstance(value, Tracer):
-            name = f"{type(law).__name__}.{column.field}"
-            check_field(name, column, value, warn=False, of="block")
 
 
 @closed_form

@@ -23,7 +23,7 @@ import numpy as np
 from ...impact.events import Outcome
 from ...impact_response import ImpactResponse, ImpactResponses
 from ...scene import GRAVITY
-from ..blocks import BlockOutline, Body, put, select, support, support_of
+from ..blocks import BlockOutline, Body, choose, put, select, support, support_of
 from ..centre_path import CentrePath
 from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Values, closed_form
@@ -34,7 +34,6 @@ from ..state import (
     Limits,
     Phase,
     RunState,
-    choose,
     velocities,
 )
 from ..terrain import Profile, in_pairs
@@ -354,15 +353,14 @@ def _travelled(
         The block; its centre; whether it lacks the energy to climb; and the fraction of
         its travel that it made.
     """
-    after, (mass, inertia) = settled.after, constants.mass_properties
-    weight = mass * GRAVITY
-
-    def kinetic_of(motion: PlaneContact | PostImpact) -> Values:
-        v_n, v_t = motion.normal_velocity, motion.tangential_velocity
-        spin = motion.angular_velocity
-        return 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
-
-    begun, kinetic = kinetic_of(struck), kinetic_of(after)
+    after, of_block = settled.after, constants.mass_properties
+    weight = of_block.mass * GRAVITY
+    begun, kinetic = (
+        of_block.kinetic_energy(
+            of.normal_velocity, of.tangential_velocity, of.angular_velocity
+        )
+        for of in (struck, after)
+    )
     rise_y, up = settled.y - block.body.y, weight * settled.along_y
     dissipated = jnp.maximum(begun - kinetic - weight * rise_y, 0.0)
     ends = up > dissipated + 1e-9 * begun  # but for rounding

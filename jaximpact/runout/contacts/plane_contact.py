@@ -154,7 +154,7 @@ def settle(
     along the plane during contact: it is the duration times the mean of v_t before and
     after; up-slope it ends where it would add energy, see `impact.depart`.
     """
-    outline, (mass, inertia) = constants.outline, constants.mass_properties
+    outline, mass = constants.outline, constants.mass_properties.mass
     sin, cos = jnp.sin(contact.slope), jnp.cos(contact.slope)
     theta = contact.orientation + response.rotation
     before, _ = support(
@@ -162,7 +162,7 @@ def settle(
     )
     radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     v_n, v_t, spin = response[:3]
-    kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
+    kinetic = constants.mass_properties.kinetic_energy(v_n, v_t, spin)
     climb = mass * GRAVITY * cos * (response.sinking - block.gap)
     left = kinetic - climb
     fraction = safe_sqrt(left / jnp.where(kinetic > 0.0, kinetic, 1.0))

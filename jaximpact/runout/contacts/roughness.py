@@ -89,7 +89,7 @@ def lift_off_facet(
 ) -> tuple[PostImpact, Continuation]:
     """Set a block that a facet left in its segment back on it, given its gap at touch
     [m], and the block on the facet after the contact and as it leaves it."""
-    outline, (mass, inertia) = constants.outline, constants.mass_properties
+    outline, mass = constants.outline, constants.mass_properties.mass
     slope, slow = touched.slope, touched.slow
     turn = struck.slope - slope
     sin, cos = jnp.sin(turn), jnp.cos(turn)
@@ -102,7 +102,7 @@ def lift_off_facet(
     depth = jnp.maximum(-over, 0.0)
     v_n, v_t = after.normal_velocity, after.tangential_velocity
     spin = after.angular_velocity
-    kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
+    kinetic = constants.mass_properties.kinetic_energy(v_n, v_t, spin)
     left = kinetic - mass * GRAVITY * jnp.cos(slope) * depth
     kept = left / jnp.where(kinetic > 0.0, kinetic, 1.0)
     fraction = jnp.sqrt(jnp.maximum(kept, 0.0))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
-from ..blocks import BlockOutline, Body, fly
+from ..blocks import BlockOutline, Body, choose, fly
 from ..covers import END, ROOT, node
 from ..lane_programs import LaneProgram, Values
 from . import time_of_impact
@@ -137,7 +137,7 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
         given_up=(now.given_up & ~first) | gives_up,
         touched=(now.touched | first) & ~gives_up,
         segment=jnp.where(first, cover.segment, now.segment),
-        gap=Gap(*(jnp.where(first, a, b) for a, b in zip(gap, now.gap, strict=True))),
+        gap=choose(first, gap, now.gap),
     )
     return after, at != END
 

@@ -39,7 +39,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from ...scene import GRAVITY
-from ..blocks import BlockOutline, Body, support
+from ..blocks import BlockOutline, Body, choose, support
 from ..lane_programs import Values
 
 NEVER = 1e30
@@ -135,8 +135,7 @@ def widest(candidates: list[Gap]) -> Gap:
     """Choose the widest gap."""
     best = candidates[0]
     for gap in candidates[1:]:
-        wider = gap.width > best.width
-        best = Gap(*(jnp.where(wider, a, b) for a, b in zip(gap, best, strict=True)))
+        best = choose(gap.width > best.width, gap, best)
     return best
 
 

@@ -1,18 +1,16 @@
 """Placement of blocks at release: above the ground, lying on it, or touching it."""
 
-import warnings
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..._checks import expect, real_numbers
-from ...errors import InputError, UnusualValueWarning
+from ...io.checks import warn_unusual
 from ...scene import GRAVITY, Scene
 from ...shapes import AbstractElliptic, shape_by_shape
 from .. import libm
-from ..blocks import BlockOutline, Body, Release, select
+from ..blocks import BlockOutline, Body, Release, common_shape, select
 from ..coordinates import HIGHEST_CLIFF, RESOLVED
 from ..lane_programs import closed_form
 from ..terrain import Ground, Profile, in_pairs
@@ -69,11 +67,11 @@ def check_release(release: Release, profile: Profile) -> None:
     above = release.y - profile.height(release.x)
     if np.max(above) > HIGHEST_CLIFF:
         i = int(np.argmax(above))
-        text = (
+        warn_unusual(
             f"block {i} is released {above[i]:.4g} m above the ground, higher than any "
-            "cliff; is its y counted from where the profile's is, in the same unit?"
+            "cliff; is its y counted from where the profile's is, in the same unit?",
+            "y_m",
         )
-        warnings.warn(UnusualValueWarning(text, "y_m"), stacklevel=1)
 
 
 def _check_resolution(release: Release, size: np.ndarray, profile: Profile) -> None:
@@ -177,15 +175,7 @@ def release_at_touch(
     Raises InputError for an x that does not broadcast with the scene.
     """
     x = np.asarray(real_numbers("x", x), float)
-    leaves = [np.asarray(leaf, float) for leaf in jax.tree.leaves(scene)]
-    shapes = [x.shape, *(leaf.shape for leaf in leaves)]
-    try:
-        shape = np.broadcast_shapes(*shapes, (1,))
-    except ValueError:
-        raise InputError(
-            "x and the fields of a scene must broadcast to one axis, but have shapes "
-            f"{sorted(set(shapes))}"
-        ) from None
+    shape = common_shape("x and the fields of a scene", (x, scene))
     of_blocks = jax.tree.map(lambda leaf: np.broadcast_to(leaf, shape), scene)
     v_n, v_t, support, arm = shape_by_shape(_at_touch, of_blocks)
     segment = np.clip(

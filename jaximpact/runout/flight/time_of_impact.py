@@ -10,7 +10,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from ...scene import GRAVITY
-from ..blocks import BlockOutline, Body, fly
+from ..blocks import BlockOutline, Body, choose, fly
 from ..lane_programs import LaneProgram, Values
 from .narrow_phase import (
     NEVER,
@@ -110,9 +110,7 @@ def step(now: Search) -> tuple[Search, Values]:
         first = touches & ~touched
         touched |= touches
         touched_piece = jnp.where(first, float(number), touched_piece)
-        contact = Gap(
-            *(jnp.where(first, a, b) for a, b in zip(gap, contact, strict=True))
-        )
+        contact = choose(first, gap, contact)
         free = time_without_contact(
             body, now.outline, axis, piece, candidates, depth, now.slack
         )

@@ -29,10 +29,6 @@ class Riders(NamedTuple):
     hop: np.ndarray  # height of a flight that is not followed [m]
     closing: np.ndarray  # squared speed across level ground that makes an impact
 
-    def at(self, blocks: np.ndarray) -> "Riders":
-        """Select blocks."""
-        return Riders(*(column[blocks] for column in self))
-
 
 MILD = LARGEST_TURN
 """Turn of the ground at a point up to which it is taken for a point of a curve [rad]:

@@ -197,7 +197,7 @@ def _count(state: RunState, lanes: np.ndarray) -> None:
 def _strike(state: RunState, lanes: np.ndarray, there: Ride) -> None:
     """Let blocks strike what is ahead at a corner."""
     block, constants = select((state.blocks, state.constants), lanes)
-    ground = state.path.elements.at(block.element.astype(int))
+    ground = select(state.path.elements, block.element.astype(int))
     touching_x = block.body.x - block.direction * (
         there.riders.radius * there.next_normal_x
     )

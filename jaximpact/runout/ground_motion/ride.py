@@ -37,6 +37,7 @@ import numpy as np
 
 from ..._safe import TINY
 from ...scene import GRAVITY
+from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND, Ahead, CentrePath, in_small_turns
 from ..libm import arctan2, cos, sin
 from ..trajectory import MotionMode, Pieces
@@ -266,15 +267,11 @@ def _first_event(
         asking = asking[event[asking] == Event.flies]
         if not len(asking):
             return event, place, passed
-        at = place[asking]
-        start = _leaving(
-            riders.at(asking), _at(ahead, asking, at), _at(motion, asking, at)
-        )
-        flies, landing_x = find_hops(
-            path, riders.at(asking), ahead.element[asking, at], *start
-        )
-        asking, at, landing_x = asking[~flies], at[~flies], landing_x[~flies]
-        loose[asking, at] = False
+        asking_riders, at = select(riders, asking), (asking, place[asking])
+        start = _leaving(asking_riders, *select((ahead, motion), at))
+        flies, landing_x = find_hops(path, asking_riders, ahead.element[at], *start)
+        asking, landing_x = asking[~flies], landing_x[~flies]
+        loose[asking, place[asking]] = False
         passed[asking] = np.maximum(passed[asking], landing_x)
 
 
@@ -288,11 +285,6 @@ def _first(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         [events, np.full((len(events), 1), Event.continues)], axis=1
     )
     return place, padded[np.arange(len(events)), place]
-
-
-def _at(tree, rows: np.ndarray, columns: np.ndarray):
-    """Select an element of each of some rows."""
-    return type(tree)(*(column[rows, columns] for column in tree))
 
 
 def _leaving(
@@ -342,29 +334,15 @@ def _cut(
         rows = np.flatnonzero(event == kind)
         if not len(rows):
             continue
-        columns = place[rows]
-        end = where(
-            riders.at(rows), _at(ahead, rows, columns), _at(motion, rows, columns)
-        )
-        _end_at(ahead, motion, rows, columns, end)
-        shorter = passage(
-            _at(ahead, rows, columns), _at(motion, rows, columns), riders.at(rows)
-        )
-        for array, values in zip(conditions.passage, shorter, strict=True):
-            array[rows, columns] = values
+        at, of_rows = (rows, place[rows]), select(riders, rows)
+        put(_stops(ahead, motion), at, where(of_rows, *select((ahead, motion), at)))
+        put(conditions.passage, at, passage(*select((ahead, motion), at), of_rows))
 
 
-def _end_at(
-    ahead: Ahead,
-    motion: MotionAhead,
-    rows: np.ndarray,
-    columns: np.ndarray,
-    end: tuple[np.ndarray, ...],
-) -> None:
-    """Let elements end at centres x and y, with normals and squared speeds there."""
-    arrays = ahead.stop_x, ahead.stop_y, ahead.stop_normal_x, ahead.stop_normal_y
-    for array, values in zip((*arrays, motion.stop_squared), end, strict=True):
-        array[rows, columns] = values
+def _stops(ahead: Ahead, motion: MotionAhead) -> tuple[np.ndarray, ...]:
+    """Give where elements end: centres, normals and squared speeds."""
+    normals = ahead.stop_normal_x, ahead.stop_normal_y
+    return ahead.stop_x, ahead.stop_y, *normals, motion.stop_squared
 
 
 def _along(
@@ -407,7 +385,7 @@ def _cut_after(
     moves = np.minimum(left, rest)
     way = np.clip(moves * (speed + 0.5 * moves * acceleration), 0.0, length)
     part = way / np.maximum(length, TINY)
-    element, h = _at(ahead, rows, columns), riders.radius[rows]
+    element, h = select(ahead, at), riders.radius[rows]
     n_x, n_y = element.start_normal_x, element.start_normal_y
     to_x, to_y = element.stop_normal_x, element.stop_normal_y
     turn = part * arctan2(n_x * to_y - n_y * to_x, n_x * to_x + n_y * to_y)
@@ -415,7 +393,7 @@ def _cut_after(
     arc_x, arc_y = cos_turn * n_x - sin_turn * n_y, sin_turn * n_x + cos_turn * n_y
     squared = np.maximum(speed + acceleration * moves, 0.0) ** 2
     end = *_along(element, h, way, arc_x, arc_y), squared
-    _end_at(ahead, motion, rows, columns, end)
+    put(_stops(ahead, motion), at, end)
     conditions.passage.length[at] = way
     conditions.passage.duration[at] = left
 
@@ -531,11 +509,9 @@ def _begin_pieces(
     pair = arc[:, :-1] & ~arc[:, 1:] & ~small[:, 1:]
     pair &= turn[:, :-1] * length[:, 1:] < PIECE_TURN * longest
     rows, columns = np.nonzero(pair)
+    both = ahead, conditions.passage
     pair[rows, columns] = _keep_speed(
-        _at(ahead, rows, columns),
-        _at(conditions.passage, rows, columns),
-        _at(ahead, rows, columns + 1),
-        _at(conditions.passage, rows, columns + 1),
+        *select(both, (rows, columns)), *select(both, (rows, columns + 1))
     )
     begins[:, :-1] |= pair
     begins[:, 1:] &= ~pair

@@ -13,29 +13,28 @@ on as if no barrier stood there: what is stopped is counted, and not removed.
 
 import enum
 import math
-import warnings
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from ...errors import UnusualValueWarning
+from ...io.checks import warn_unusual
 from ...io.toml import Key, check_keys, number, one_line
 from ...reports.json_tree import plain
-from ...reports.tables import Table, interval_text, place_text
+from ...reports.tables import Table, place_text
 from ...units import variable_attributes
 from ..coordinates import LARGEST
 from ..terrain import Profile, check_inside
-from .endings import valid_blocks
 from .intervals import (
     DIFFERS,
+    interval_beside,
     is_apart,
     least_blocks,
     percentile_interval_over_grounds,
     share_intervals_over_grounds,
 )
+from .results import second_of, valid_blocks
 
 MOST_BARRIERS = 100
 """Largest number of barriers: each is rows of every table."""
@@ -58,14 +57,14 @@ class Barrier(NamedTuple):
     [J]."""
 
 
-def read_barriers(path: Path, content: dict, profile: Profile) -> tuple[Barrier, ...]:
+def read_barriers(top: Key, content: dict, profile: Profile) -> tuple[Barrier, ...]:
     """Read the tables `[[barriers]]`, in their order; none where there are none.
 
     Raises InputError, naming file and key, for a barrier that is not on the profile,
     for heights and capacities that are not above 0, and for names that stand twice.
     Warns of heights and capacities that no barrier has.
     """
-    key, tables = Key(path)["barriers"], content.get("barriers", [])
+    key, tables = top["barriers"], content.get("barriers", [])
     if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
         raise key.error("must be tables, each under a line [[barriers]]")
     if len(tables) > MOST_BARRIERS:
@@ -93,20 +92,17 @@ def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
             raise key[name].error(
                 f"must be at most {LARGEST:g} m, but is {numbers[name]:g}"
             )
-        _warn_of_unusual(key, name, numbers[name])
+        if numbers[name] > (usual := USUAL.get(name, math.inf)):
+            warn_unusual(
+                f"is {numbers[name]:g}, while usual are up to {usual:g}; is it in "
+                "another unit?",
+                name,
+                **key[name].place,
+            )
     x, height, capacity = numbers.values()
     check_inside(profile, x, **key["x_m"].place)
     name = one_line(key, table, "name", f"barrier at {place_text(x, 6)} m")
     return Barrier(name, x, height, 1e3 * capacity)
-
-
-def _warn_of_unusual(key: Key, name: str, value: float) -> None:
-    if value > USUAL.get(name, math.inf):
-        text = (
-            f"{key.file}, key {key[name].name}: is {value:g}, while usual are up to "
-            f"{USUAL[name]:g}; is it in another unit?"
-        )
-        warnings.warn(UnusualValueWarning(text, name), stacklevel=2)
 
 
 DESIGN_PERCENTILES = (95, 99)
@@ -216,6 +212,8 @@ class BarrierEstimates(NamedTuple):
 
     barrier: Barrier
     estimates: dict[str, Estimate]
+    other_kinematics: str = ""  # of the soil, of the second run; "" without one
+    others: dict[str, Estimate] | None = None  # the same from that run
 
     @property
     def place(self) -> tuple[str, float, float, float]:
@@ -267,37 +265,29 @@ def _share(counts: np.ndarray, blocks: np.ndarray) -> Estimate:
 
 
 def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
-    """Estimate shares and design values at the barriers of a result; none where it has
-    none."""
-    counted, at_barriers = valid_blocks(dataset), []
+    """Estimate shares and design values at the barriers of a result, and from its
+    second run; none where it has no barriers."""
+    second, at_barriers = second_of(dataset), []
     for name in dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []:
         here = dataset.sel(barrier=name)
         numbers = (here.barrier_x_m, here.barrier_height_m, here.barrier_capacity_J)
-        passages = {
-            variable: here[f"barrier_{variable}"].values[None]
-            for variable, *_ in DESIGN_QUANTITIES.values()
-        }
         barrier = Barrier(name, *map(float, numbers))
-        at_barriers.append(estimates_at(barrier, counted[None], passages))
+        found = _estimates_in(dataset, barrier)
+        if second is not None:
+            kinematics, other = second
+            others = _estimates_in(other, barrier).estimates
+            found = found._replace(other_kinematics=kinematics, others=others)
+        at_barriers.append(found)
     return at_barriers
 
 
-class OtherEstimates(NamedTuple):
-    """Estimates of the same blocks by another kinematics of the soil."""
-
-    kinematics: str
-    at_barriers: Sequence[BarrierEstimates]
-
-
-def estimates_beside(
-    other: OtherEstimates | None, at_barriers: Sequence[BarrierEstimates]
-) -> list[dict[str, Estimate]]:
-    """Return the estimates by another kinematics for each barrier, by their names;
-    empty where there is no other."""
-    if other is None:
-        return [{}] * len(at_barriers)
-    found = {barrier: estimates for barrier, estimates in other.at_barriers}
-    return [found[barrier] for barrier, _ in at_barriers]
+def _estimates_in(dataset: xr.Dataset, barrier: Barrier) -> BarrierEstimates:
+    here = dataset.sel(barrier=barrier.name)
+    passages = {
+        variable: here[f"barrier_{variable}"].values[None]
+        for variable, *_ in DESIGN_QUANTITIES.values()
+    }
+    return estimates_at(barrier, valid_blocks(dataset)[None], passages)
 
 
 def mark(one: Estimate, other: Estimate) -> str:
@@ -305,59 +295,50 @@ def mark(one: Estimate, other: Estimate) -> str:
     return DIFFERS if is_apart(one[3:], other[3:]) else ""
 
 
-def estimate_table(
-    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
-) -> Table:
+def estimate_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """List all estimates, for barriers.csv."""
     columns = ("barrier", *KEYS[1:], "quantity", *Estimate._fields)
-    others = estimates_beside(other, at_barriers)
     rows = []
-    for of, here in zip(at_barriers, others, strict=True):
+    for of in at_barriers:
         for quantity, estimate in of.estimates.items():
             beside = (None,) * 4
-            if quantity in here:
-                second = here[quantity]
+            if of.others:
+                second = of.others[quantity]
                 beside = (*second[2:], mark(estimate, second))
             rows.append((*of.place, quantity, *estimate, *beside))
     return Table((*columns, *SECOND_COLUMNS), rows)
 
 
-def barriers_in_json(
-    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
-) -> list[dict]:
+def barriers_in_json(at_barriers: Sequence[BarrierEstimates]) -> list[dict]:
     """Describe the barriers with their estimates, None for what is not known, and those
     by another kinematics with the names of the ones that differ."""
     described = []
-    others = estimates_beside(other, at_barriers)
-    for of, here in zip(at_barriers, others, strict=True):
+    for of in at_barriers:
         barrier = dict(zip(KEYS, of.place, strict=True))
         barrier |= {"estimates": plain(of.estimates)}
-        if here:
-            apart = [name for name, e in of.estimates.items() if mark(e, here[name])]
-            barrier |= {"second_run": plain(here), "differs": apart}
+        if others := of.others:
+            apart = [name for name, e in of.estimates.items() if mark(e, others[name])]
+            barrier |= {"second_run": plain(others), "differs": apart}
         described.append(barrier)
     return described
 
 
-def effect_table(
-    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
-) -> Table:
+def effect_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """Write what becomes of blocks at each barrier."""
     rows, columns = [], ("", "blocks", "share", "interval")
-    others = estimates_beside(other, at_barriers)
-    for of, here in zip(at_barriers, others, strict=True):
+    for of in at_barriers:
         name, x, *size = of.place
         first = (name, place_text(x, 6), *size)
         for word, quantity in EFFECT_WORDS.items():
             estimate = of.estimates[f"share_{quantity}"]
             cells = (estimate.count, *_share_cells(estimate))
-            if here:
-                second = here[f"share_{quantity}"]
+            if of.others:
+                second = of.others[f"share_{quantity}"]
                 cells += (*_share_cells(second), mark(estimate, second))
             rows.append((*first, word, *cells))
             first = ("",) * len(first)
-    if other:
-        columns += (f"by {other.kinematics}", "interval", "")
+    if at_barriers and (other := at_barriers[0].other_kinematics):
+        columns += (f"by {other}", "interval", "")
     return Table(("barrier", "x [m]", "height [m]", "capacity [kJ]", *columns), rows)
 
 
@@ -368,38 +349,33 @@ def _share_cells(estimate: Estimate) -> tuple[str, str]:
     return f"{estimate.value:.1%}", ends
 
 
-def design_table(
-    at_barriers: Sequence[BarrierEstimates], other: OtherEstimates | None = None
-) -> Table:
+def design_table(at_barriers: Sequence[BarrierEstimates]) -> Table:
     """Write the design values at each barrier, and below each what it is by another
     kinematics."""
     rows = []
-    others = estimates_beside(other, at_barriers)
-    for (barrier, estimates), here in zip(at_barriers, others, strict=True):
+    for barrier, estimates, other, others in at_barriers:
         first = (barrier.name, estimates["share_arriving"].count)
         for name, (_, unit, *_) in DESIGN_QUANTITIES.items():
             words = name.rpartition("_")[0].replace("_", " ")
             names = [f"{name}_p{percent}" for percent in DESIGN_PERCENTILES]
             cells = (c for n in names for c in _cells(estimates[n]))
             rows.append((*first, words, unit, *cells))
-            if other:
-                cells = (c for n in names for c in _cells(here[n], estimates[n]))
-                rows.append(("", "", f"- by {other.kinematics}", unit, *cells))
+            if others:
+                cells = (c for n in names for c in _cells(others[n], estimates[n]))
+                rows.append(("", "", f"- by {other}", unit, *cells))
             first = ("", "")
     heads = [h for percent in DESIGN_PERCENTILES for h in (f"{percent} %", "interval")]
     return Table(("barrier", "blocks", "", "unit", *heads), rows)
 
 
 def _cells(estimate: Estimate, beside: Estimate | None = None) -> tuple[float, str]:
-    ends = interval_text(estimate.low, estimate.high)
-    marked = f", {mark(beside, estimate)}" if beside and mark(beside, estimate) else ""
-    return estimate.value, f"{ends}{marked}"
+    return estimate.value, interval_beside(estimate[3:], beside and beside[3:])
 
 
 def too_few(at_barriers: Sequence[BarrierEstimates]) -> list[str]:
     """Say at which barriers of a study there are too few blocks for an interval."""
     lines = []
-    for barrier, estimates in at_barriers:
+    for barrier, estimates, *_ in at_barriers:
         count = estimates["share_arriving"].count or 0
         short = [p for p in DESIGN_PERCENTILES if count < least_blocks(p)]
         if short:

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -65,9 +64,8 @@ class BlockInput(NamedTuple):
         return dataclasses.replace(base, **fields)
 
 
-def read_blocks(path: Path, content: dict) -> BlockInput:
+def read_blocks(top: Key, content: dict) -> BlockInput:
     """Read the table [block] of a study."""
-    top = Key(path)
     key, (kinds, base) = top["block"], _shapes(top, content)
     columns = columns_of_part("block", base)
     table = known_table(top, content, "block", (*columns, VOLUME, SHAPE))
@@ -119,10 +117,9 @@ RELEASE_KEYS = (
 NOT_NEGATIVE = ("clearance_m", "speed_mps")
 
 
-def read_release(path: Path, content: dict, profile: Profile) -> dict[str, Quantity]:
+def read_release(top: Key, content: dict, profile: Profile) -> dict[str, Quantity]:
     """Read the table [release] of a study: its quantities by name. One named `LINE` is
     a distance along the ground from the profile's left end [m]."""
-    top = Key(path)
     key = top["release"]
     table = dict(known_table(top, content, "release", RELEASE_KEYS))
     spacing, line = table.pop(SPACING, None), table.pop(LINE, None)
@@ -139,7 +136,7 @@ def read_release(path: Path, content: dict, profile: Profile) -> dict[str, Quant
 
 
 def make_release(
-    path: Path, samples: dict[str, np.ndarray], profile: Profile, blocks: BlockInput
+    top: Key, samples: dict[str, np.ndarray], profile: Profile, blocks: BlockInput
 ) -> Release:
     """Make the releases of samples `(blocks,)` by name; InputError for blocks that do
     not start on or above the ground."""
@@ -171,7 +168,7 @@ def make_release(
         )
         check_release(release, profile)
     except ValueError as error:
-        raise Key(path)["release"].error(str(error)) from None
+        raise top["release"].error(str(error)) from None
     return release
 
 

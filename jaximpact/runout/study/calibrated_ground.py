@@ -11,7 +11,6 @@ distribution.
 """
 
 import hashlib
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -19,7 +18,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.special import ndtri
 
-from ...errors import InputError, UnusualValueWarning, did_you_mean
+from ...errors import InputError, did_you_mean
+from ...io.checks import warn_unusual
 from ...io.files import read_input
 from ...parameters import parts_of
 from ...quantities import InputColumn
@@ -126,12 +126,13 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         raise InputError(f"holds {unknown[0]}, which no ground has", file=file)
     if not fit.trusted:
         count = 1.0 / np.sum(fit.weights**2)
-        text = (
-            f"{file}: the effective sample size is {count:.0f} of {len(fit.weights)} "
-            "samples, too small for the spread of the ground; `jaximpact calibrate "
-            "--posterior` samples the posterior itself"
+        warn_unusual(
+            f"the effective sample size is {count:.0f} of {len(fit.weights)} samples, "
+            "too small for the spread of the ground; `jaximpact calibrate --posterior` "
+            "samples the posterior itself",
+            "from",
+            file=file,
         )
-        warnings.warn(UnusualValueWarning(text, "from"), stacklevel=1)
     ends = [(p.lower, p.upper, p.logarithmic) for p in ground.parameters]
     lower, upper, logarithmic = np.array(ends, float).reshape(-1, 3).T
     bounds = Bounds(lower, upper, logarithmic.astype(bool))

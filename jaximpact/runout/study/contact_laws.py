@@ -13,7 +13,7 @@ from ...accuracy import DEFAULT_ACCURACY, PRESETS
 from ...finding import file_of, find_class, shipped
 from ...identity import name_of
 from ...io.files import read_input
-from ...io.toml import Key, allowed, check_keys, choice, one_line, typed
+from ...io.toml import Key, allowed, check_keys, choice, of_kind, one_line, typed
 from ...lookup import Tabulated, read_table
 from ...quantities import InputColumn, own_columns
 from ...rebound import AbstractRebound
@@ -45,10 +45,9 @@ class NamedLaw(NamedTuple):
         return re.sub(r"[\W_]+", "-", self.name.lower()).strip("-")
 
 
-def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]:
+def read_laws(top: Key, content: dict, accuracy: str | None) -> list[NamedLaw]:
     """Read one law from `[contacts]`, or as many as there are `[[contacts]]`; the
     accuracy of the full model stands in place of the file's."""
-    top = Key(path)
     key, tables = top["contacts"], content.get("contacts", {"law": FULL_MODEL})
     if isinstance(tables, list) and not tables:
         raise key.error("is an empty list")
@@ -75,9 +74,7 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
 
 def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:
     key = top["contacts"]
-    if not isinstance(table, dict):
-        raise key.error(f"must be a table, but is {table!r}")
-    law = typed(key, table, "law", str, FULL_MODEL)
+    law = typed(key, of_kind(key, table, dict), "law", str, FULL_MODEL)
     kind = _closed_form_class(top, law)
     if ":" in law and kind:
         law = kind.__name__
@@ -174,7 +171,7 @@ def _tables(top: Key, name: str, table: dict) -> NamedLaw:
 
 
 def check_law(
-    path: Path, law: NamedLaw, profile: Profile, release: Release, ground: Ground
+    top: Key, law: NamedLaw, profile: Profile, release: Release, ground: Ground
 ) -> None:
     """Raise InputError where tables lack blocks or ground of a study."""
     if not isinstance(law.contacts, Tabulated):
@@ -193,4 +190,4 @@ def check_law(
         most + widest,
     )
     if problem:
-        raise Key(path)["contacts"]["files"].error(problem)
+        raise top["contacts"]["files"].error(problem)

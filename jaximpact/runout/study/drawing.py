@@ -30,7 +30,7 @@ from ...reports.tables import at_x, place_text
 from ..terrain import Profile, ground_columns, ground_values
 from ..trajectory import Runs
 from ..trajectory_drawing import add_trajectories, bottom_of, height_of
-from .endings import stops_of, valid_blocks
+from .results import edges_of, stops_of, valid_blocks
 
 CURVES = (
     ("passage_energy_J", "kinetic energy [kJ]", 1e-3),
@@ -77,7 +77,7 @@ def draw_envelopes(
     the blocks' own largest in each bin."""
     title = f"{plain(dataset.title)}: largest values of the blocks in bins of x"
     figure, axes = panels(5, height=1.7, title=title, sharex=True)
-    edges = _edges(dataset)
+    edges = edges_of(dataset)
     for panel, (name, _, factor) in zip(axes[:3], ENVELOPES, strict=True):
         largest = factor * dataset[f"{name}_max"].values
         panel.stairs(largest, edges, color=GREY, label="largest")
@@ -171,17 +171,13 @@ def draw_comparison(
         axes[0].step(places, fraction, where="post", label=plain(law), **look)
         for panel, (name, _, factor) in zip(axes[1:], ENVELOPES, strict=False):
             values = dataset[f"{name}_percentiles"].sel(percentile=95).values
-            panel.stairs(factor * values, _edges(dataset), baseline=None, **look)
+            panel.stairs(factor * values, edges_of(dataset), baseline=None, **look)
     axes[0].set_ylabel("fraction\nstopped by x [-]")
     axes[0].set_ylim(0.0, 1.02)
     _finish_envelopes(axes[1:4], axes[4], profile, drawn)
     figure.align_ylabels(axes)
     legend_outside(figure, axes[0].lines, ncols=3)
     return figure
-
-
-def _edges(dataset: xr.Dataset) -> np.ndarray:
-    return np.append(dataset.bin_left_m.values, dataset.bin_right_m.values[-1])
 
 
 def _draw_exceedance(
@@ -258,7 +254,7 @@ def drawn_grounds(
 
 
 def grounds_of(
-    profile: Profile, materials: Sequence[str] = (), random: Collection[str] = ()
+    profile: Profile, materials: Sequence[str], random: Collection[str]
 ) -> tuple[list[int], list[list[str]]]:
     """Number the different grounds of a profile, in the order in which they come.
 

@@ -4,7 +4,6 @@ and where on the profile each of them holds."""
 import re
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -87,16 +86,15 @@ class GroundInput(NamedTuple):
     ground.materials.scree.c_v.
     """
 
-    path: Path
+    top: Key  # of the file
     soil: Soil  # gives the laws; values are in the other fields
     quantities: Quantities
     parts: dict[str, GroundPart]  # by keys under [ground]: materials.scree
     calibrated: Calibrated | None  # to sample the rest from
 
     @classmethod
-    def read(cls, path: Path, content: dict) -> "GroundInput":
+    def read(cls, top: Key, content: dict) -> "GroundInput":
         """Read the table [ground] of a study."""
-        top = Key(path)
         key, table = top["ground"], typed(top, content, "ground", dict, {})
         calibrated = _calibrated(key, table)
         soil = calibrated.soil if calibrated else _default_soil(content)
@@ -117,7 +115,7 @@ class GroundInput(NamedTuple):
             for name, values in typed(key, table, kind, dict, {}).items():
                 parts[f"{kind}.{name}"], of_part = read(key[kind], name, values, soil)
                 quantities |= of_part
-        return cls(path, soil, quantities, parts, calibrated)
+        return cls(top, soil, quantities, parts, calibrated)
 
     def sampled_jointly(self) -> dict[str, str]:
         """List the parameters that are sampled from a calibration, by key."""
@@ -293,7 +291,7 @@ def lay_out(
     overlap, and for ground without any. Warns of ground without a material where
     [ground] holds.
     """
-    key, parts, fields = Key(ground.path)["ground"], ground.parts, ground.fields()
+    key, parts, fields = ground.top["ground"], ground.parts, ground.fields()
     if materials is not None:
         _check_names(key, materials, parts)
     _check_cells(key, profile, fields)

@@ -14,12 +14,15 @@ grounds then differ by chance too.
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 # Not scipy.stats, which takes a second to import.
 from scipy.special import bdtr, bdtrik, betainc, betaincinv
+
+from ...reports.tables import interval_text, number_text
 
 LEVEL = 0.95
 """Probability with which an interval holds the true value, at least."""
@@ -33,6 +36,17 @@ def is_apart(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
     is not known may be anywhere."""
     (low, high), (other_low, other_high) = one, other
     return bool(high < other_low or other_high < low)
+
+
+def interval_beside(
+    ends: tuple[float, float],
+    other: tuple[float, float] | None,
+    write: Callable[[float], str] = number_text,
+) -> str:
+    """Write an interval, marked where that of another number, if there is one, does not
+    overlap it."""
+    apart = other is not None and is_apart(ends, other)
+    return interval_text(*ends, write) + f", {DIFFERS}" * apart
 
 
 def share_interval(count: int, blocks: int) -> tuple[float, float]:
@@ -114,6 +128,26 @@ def percentile_interval(values: np.ndarray, percent: float) -> tuple[float, floa
         float(finite[low - 1]) if low >= 1 else np.nan,
         float(finite[high - 1]) if high <= len(finite) else np.nan,
     )
+
+
+class Percentile(NamedTuple):
+    """Percentile of blocks, and its interval of 95 %; NaN for what is not known."""
+
+    value: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, values: np.ndarray, percent: float) -> "Percentile":
+        """Find that of the finite values."""
+        finite = values[np.isfinite(values)]
+        value = float(np.percentile(finite, percent)) if len(finite) else np.nan
+        return cls(value, *percentile_interval(finite, percent))
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the interval."""
+        return self.low, self.high
 
 
 def percentile_interval_over_grounds(

@@ -18,12 +18,12 @@ from ...reports.tables import Table, at_x, place_text
 from ..trajectory import Ending
 from . import drawing
 from .barriers import barriers_in_json, effect_table, estimate_table, estimates_of
-from .endings import counts_of, stops_of, valid_blocks
-from .intervals import DIFFERS, is_apart, percentile_interval
+from .intervals import DIFFERS, Percentile, is_apart
 from .map_files import names_of_map_files, write_map_files
-from .report_page import other_estimates, slope_report
+from .report_page import slope_report
+from .results import counts_of, second_of, stops_of, valid_blocks
 from .run_study import PERCENTILES, simulate
-from .second_run import kinematics_of, note, second_of
+from .second_run import kinematics_of, note
 from .slope_file import SlopeStudy
 
 STOP_COLUMNS = (
@@ -110,10 +110,8 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     manifest = {"title": dataset.title} | _attributes(dataset)
     if study.settings.barriers:
         at_barriers = estimates_of(dataset)
-        other = other_estimates(dataset)
-        table = estimate_table(at_barriers, other)
-        write_text(new("barriers.csv"), table.csv())
-        manifest["barriers"] = barriers_in_json(at_barriers, other)
+        write_text(new("barriers.csv"), estimate_table(at_barriers).csv())
+        manifest["barriers"] = barriers_in_json(at_barriers)
     write_text(new("manifest.json"), json_text(manifest))
     return report
 
@@ -139,25 +137,26 @@ def collector_table(dataset: xr.Dataset) -> Table:
     for place, x in enumerate(dataset.collector.values.tolist()):
         passing = int(dataset.blocks_passing.values[place])
         for name in QUANTITIES:
-            values, ends = _percentiles(dataset, name, place)
+            cells, ends = _percentile_cells(dataset, name, place)
             others: list = [None] * 3 * len(PERCENTILES)
             apart: list = [None] * len(PERCENTILES)
             if second is not None:
-                other_values, other_ends = _percentiles(second[1], name, place)
-                others = [*other_values, *itertools.chain(*other_ends)]
+                others, other_ends = _percentile_cells(second[1], name, place)
                 pairs = zip(ends, other_ends, strict=True)
                 apart = [DIFFERS if is_apart(*pair) else "" for pair in pairs]
             about = (x, passing, name.removeprefix("passage_"))
-            rows.append((*about, *values, *itertools.chain(*ends), *others, *apart))
+            rows.append((*about, *cells, *others, *apart))
     return Table(COLLECTOR_COLUMNS, rows)
 
 
-def _percentiles(
+def _percentile_cells(
     dataset: xr.Dataset, name: str, place: int
 ) -> tuple[list[float], list[tuple[float, float]]]:
-    values = dataset[f"{name}_percentiles"].values[:, place].tolist()
+    """Give the values of percentiles with the ends behind them, and the ends alone."""
     passages = dataset[name].values[valid_blocks(dataset), place]
-    return values, [percentile_interval(passages, p) for p in PERCENTILES]
+    percentiles = [Percentile.of(passages, p) for p in PERCENTILES]
+    ends = [percentile.ends for percentile in percentiles]
+    return [*(p.value for p in percentiles), *itertools.chain(*ends)], ends
 
 
 def write_comparison(
@@ -189,10 +188,7 @@ def write_comparison(
         figure = drawing.draw_collectors(datasets)
         save_figure(figure, new("comparison_collectors.png"))
     if study.settings.barriers:
-        table = _of_laws(
-            datasets,
-            lambda one: estimate_table(estimates_of(one), other_estimates(one)),
-        )
+        table = _of_laws(datasets, lambda one: estimate_table(estimates_of(one)))
         write_text(new("comparison_barriers.csv"), table.csv())
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
     manifest = {"title": study.inputs.title, "laws": laws}
@@ -230,10 +226,7 @@ def comparison_report(
         for place, x in enumerate(collectors)
     ]
     sections += [
-        ReportSection(
-            f"Barriers by {law}",
-            [effect_table(estimates_of(dataset), other_estimates(dataset))],
-        )
+        ReportSection(f"Barriers by {law}", [effect_table(estimates_of(dataset))])
         for law, dataset in datasets.items()
     ]
     return Document(first.title, answer, sections)

@@ -23,8 +23,8 @@ from ..blocks import select
 from ..terrain import Profile, stretches
 from ..trajectory import Pieces, Runs, state_after
 from .drawing import bottom_of, drawn_grounds
-from .endings import valid_blocks
-from .intervals import percentile_interval
+from .intervals import Percentile
+from .results import edges_of, valid_blocks
 from .run_study import PERCENTILES
 from .slope_file import SlopeStudy
 
@@ -202,13 +202,15 @@ def page_curves(dataset: xr.Dataset) -> dict:
             [_short(values[rank - 1]) for rank in of_bin]
             for values, of_bin in zip(falling, ranks, strict=True)
         ]
-        percentiles = [_percentiles(values) for values in falling]
+        percentiles = [
+            [[*map(_short, Percentile.of(values, p))] for p in PERCENTILES]
+            for values in falling
+        ]
         about = {"words": words, "unit": unit}
         quantities.append(about | {"values": kept, "percentiles": percentiles})
-    edges = [*dataset.bin_left_m.values.tolist(), float(dataset.bin_right_m.values[-1])]
     return {
         "blocks": int(np.sum(valid)),
-        "edges": edges,
+        "edges": edges_of(dataset).tolist(),
         "counts": counts,
         "ranks": ranks,
         "percents": list(PERCENTILES),
@@ -222,16 +224,6 @@ def kept_ranks(count: int, most: int) -> list[int]:
     if count <= most:
         return list(range(1, count + 1))
     return np.unique(np.round(np.geomspace(1, count, most)).astype(int)).tolist()
-
-
-def _percentiles(values: np.ndarray) -> list[list[float | None]]:
-    if not len(values):
-        return [[None, None, None] for _ in PERCENTILES]
-    percentiles = np.percentile(values, PERCENTILES)
-    return [
-        [_short(v), *map(_short, percentile_interval(values, percent))]
-        for v, percent in zip(percentiles, PERCENTILES, strict=True)
-    ]
 
 
 def _short(value: float) -> float | None:

@@ -4,7 +4,6 @@ and its place on the map."""
 import hashlib
 import math
 import re
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..._packages import needed
-from ...errors import InputError, UnusualValueWarning
+from ...errors import InputError
+from ...io.checks import warn_unusual
 from ...io.files import read_input
 from ...io.toml import Key, known_table, number, of_kind, typed
 from ...units import DEGREE
@@ -30,13 +30,12 @@ SMOOTHING = "smooth_m"
 
 
 def read_ground_profile(
-    path: Path, content: dict, ground: GroundInput, checksums: dict[Path, str]
+    top: Key, content: dict, ground: GroundInput, checksums: dict[Path, str]
 ) -> GroundLayout:
     """Read the profile, with the ground that is alike for all blocks, and find where
     each ground holds; add the checksums of files that are read."""
     if ground.calibrated is not None:
         checksums[ground.calibrated.file] = ground.calibrated.checksum
-    top = Key(path)
     key, keys = top["profile"], (*SOURCES, "layer", SMOOTHING, *MAP_KEYS)
     table = known_table(top, content, "profile", keys)
     sources = [name for name in SOURCES if name in table]
@@ -51,7 +50,7 @@ def read_ground_profile(
         points = typed(key, table, "points_m", list)
         profile = _of_points(key["points_m"], points, surface)
     else:
-        file = path.parent / typed(key, table, sources[0], str)
+        file = top.file.parent / typed(key, table, sources[0], str)
         data = read_input(file, once=False)
         checksums[file] = hashlib.sha256(data).hexdigest()
         if "csv" in table:
@@ -106,12 +105,11 @@ def _of_dxf(file: Path, layer: str | None, surface: tuple) -> Profile:
 def _check_said_once(ground: GroundInput, csv: Path, columns: tuple[str, ...]) -> None:
     """Raise InputError for a quantity of the ground that is a column of the profile
     too: one of them would count for nothing."""
-    top = Key(ground.path)
     of_calibration = {} if ground.calibrated is None else ground.calibrated.fixed
     for key in (*ground.quantities, *ground.sampled_jointly()):
         name = key.split(".")[-1]
         if name in columns and name not in of_calibration:
-            raise top[key].error(
+            raise ground.top[key].error(
                 f"is also a column of {csv.name}; leave one of them out"
             )
 
@@ -122,7 +120,7 @@ def _check_all_said(ground: GroundInput, columns: tuple[str, ...]) -> None:
     differing = {} if ground.calibrated is None else ground.calibrated.differing
     for name, how in differing.items():
         if f"ground.{name}" not in ground.quantities and name not in columns:
-            raise Key(ground.path)["ground"].error(f"must say {name}, which {how}")
+            raise ground.top["ground"].error(f"must say {name}, which {how}")
 
 
 MAP_KEYS = ("origin", "azimuth_deg", "crs")
@@ -164,7 +162,7 @@ class MapPlacement(NamedTuple):
 
 
 def read_map_placement(
-    path: Path, content: dict, profile: Profile
+    top: Key, content: dict, profile: Profile
 ) -> MapPlacement | None:
     """Read the place of the profile on the map; None where the file gives none.
 
@@ -175,7 +173,7 @@ def read_map_placement(
     present = [key for key in MAP_KEYS if key in table]
     if not present:
         return None
-    key = Key(path)["profile"]
+    key = top["profile"]
     for package in GIS:
         needed(package, "profile.crs", "maps")
     for name in MAP_KEYS:
@@ -232,8 +230,7 @@ def _warn_of_distant(
         )
     else:
         return
-    text = f"{key.file}, key {key.name}: {text}"
-    warnings.warn(UnusualValueWarning(text, "crs"), stacklevel=1)
+    warn_unusual(text, "crs", **key.place)
 
 
 def _is_near(area, longitude: float, latitude: float) -> bool:

@@ -1,6 +1,6 @@
 """Quantities of a study: numbers, lists and distributions from its file."""
 
-from ...io.toml import Key, check_keys, number, quantity, warn_of_unusual
+from ...io.toml import Key, check_keys, number, quantity
 from ...quantities import InputColumn
 from ..random_inputs import (
     BOUNDS,
@@ -54,7 +54,7 @@ def read_quantity(key: Key, value, column: InputColumn | None) -> Quantity:
     for name in VALUES:
         # One that is not allowed, as least = 0 of a mass, is no value of a block.
         if column and name in numbers and column.is_allowed(numbers[name]):
-            warn_of_unusual(key[name], column, numbers[name])
+            quantity(key[name], column, numbers[name])
     for kind, names in KINDS.items():
         if {*names} <= set(numbers) <= {*names, *BOUNDS}:
             if kind is PowerLaw and len(numbers) < 3:

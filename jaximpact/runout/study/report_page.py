@@ -19,20 +19,23 @@ from .barriers import (
     NOTE,
     BarrierEstimates,
     Estimate,
-    OtherEstimates,
     design_table,
     effect_table,
-    estimates_beside,
     estimates_of,
     too_few,
 )
 from .drawing import grounds_of
-from .endings import counts_of, stops_of, valid_blocks
-from .intervals import DIFFERS, is_apart, least_blocks, percentile_interval
+from .intervals import (
+    Percentile,
+    interval_beside,
+    least_blocks,
+    percentile_interval,
+)
 from .map_files import NO_MAP
 from .page_data import QUANTITIES, page_curves, page_profile
+from .results import counts_of, second_of, stops_of, valid_blocks
 from .run_study import PERCENTILES, inputs_of
-from .second_run import PASSAGES, energy_table, note, second_of
+from .second_run import PASSAGES, energy_table, note
 from .slope_file import SlopeStudy
 
 if TYPE_CHECKING:
@@ -69,7 +72,7 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
     estimates = estimates_of(dataset)
     profile = drawing | _placed(drawing["scale"]) | {"blocks": study.release.count}
     answer: list[Part] = [
-        Box("verdict", _summary(study, dataset, estimates, other_estimates(dataset))),
+        Box("verdict", _summary(study, dataset, estimates)),
         Box("warning", ["What is not known", *unknowns(study, dataset)]),
         Interactive(PACKAGE, "profile.jinja", profile),
     ]
@@ -94,7 +97,7 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         ),
         ReportSection("Endings", [_ending_table(dataset), *_stops(dataset)]),
         ReportSection("Collectors", _collectors(dataset)),
-        ReportSection("Barriers", barrier_parts(estimates, other_estimates(dataset))),
+        ReportSection("Barriers", barrier_parts(estimates)),
         ReportSection("Energy at impacts", _energies(study, dataset)),
         ReportSection("Settings", settings, printed=False),
         ReportSection("Computed from", [_origin(dataset)], printed=False),
@@ -102,23 +105,15 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
     return Document(study.inputs.title, answer, sections)
 
 
-def other_estimates(dataset: xr.Dataset) -> OtherEstimates | None:
-    """Estimate the same at barriers from the second run; None where there was none."""
-    second = second_of(dataset)
-    return second and OtherEstimates(second[0], estimates_of(second[1]))
-
-
-def barrier_parts(
-    estimates: Sequence[BarrierEstimates], other: OtherEstimates | None
-) -> list[Part]:
+def barrier_parts(estimates: Sequence[BarrierEstimates]) -> list[Part]:
     """Write what becomes of blocks at barriers; nothing where there are none."""
     if not estimates:
         return []
     return [
         BARRIERS,
-        effect_table(estimates, other),
+        effect_table(estimates),
         "Design values of the blocks that arrive:",
-        design_table(estimates, other),
+        design_table(estimates),
     ]
 
 
@@ -165,7 +160,6 @@ def _summary(
     study: SlopeStudy,
     dataset: xr.Dataset,
     at_barriers: Sequence[BarrierEstimates],
-    other: OtherEstimates | None,
 ) -> list[str]:
     endings = counts_of(dataset)
     counts = ", ".join(f"{count} {name}" for name, count in endings.items())
@@ -182,12 +176,11 @@ def _summary(
             f", the farthest at {place_text(stopped.min() if left else stopped.max())} "
             "m."
         )
-    others = estimates_beside(other, at_barriers)
-    for (barrier, by_name), beside in zip(at_barriers, others, strict=True):
+    for barrier, estimates, other, others in at_barriers:
         name = barrier.name
-        line = f"{name[:1].upper()}{name[1:]}: {_counts_at(by_name)} the barrier"
-        if other:
-            line += f" (by {other.kinematics}: {_counts_at(beside)} it)"
+        line = f"{name[:1].upper()}{name[1:]}: {_counts_at(estimates)} the barrier"
+        if others:
+            line += f" (by {other}: {_counts_at(others)} it)"
         lines.append(f"{line}.")
     if study.inputs.smoothing is not None:
         lines.append(f"The profile is {study.inputs.smoothing}.")
@@ -213,11 +206,9 @@ def _stop_beside(dataset: xr.Dataset, ends: tuple[float, float], percent: int) -
     stopped = stops_of(second[1]) if second else np.zeros(0)
     if second is None or not len(stopped):
         return ""
-    other = percentile_interval(stopped, percent)
-    marked = f", {DIFFERS}" if is_apart(ends, other) else ""
-    value = f"{place_text(np.percentile(stopped, percent))} m, "
-    value += interval_text(*other, place_text)
-    return f"; by {second[0]}: {value}{marked}"
+    other = Percentile.of(stopped, percent)
+    interval = interval_beside(other.ends, ends, place_text)
+    return f"; by {second[0]}: {place_text(other.value)} m, {interval}"
 
 
 def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
@@ -297,14 +288,10 @@ def _stop_words(x: np.ndarray, beside: np.ndarray | None = None) -> str:
     not overlap."""
     words = []
     for percent in PERCENTILES if len(x) else ():
-        ends = percentile_interval(x, percent)
-        marked = ""
-        if beside is not None and is_apart(ends, percentile_interval(beside, percent)):
-            marked = f", {DIFFERS}"
-        value = place_text(np.percentile(x, percent), 5)
-        words.append(
-            f"{percent} % by {value} ({interval_text(*ends, place_text)}{marked})"
-        )
+        here = Percentile.of(x, percent)
+        other = None if beside is None else percentile_interval(beside, percent)
+        interval = interval_beside(here.ends, other, place_text)
+        words.append(f"{percent} % by {place_text(here.value, 5)} ({interval})")
     return ", ".join(
         (*words, f"all by {place_text(x.max(), 5)}") if len(x) else ("no block",)
     )
@@ -348,17 +335,13 @@ def _collectors(dataset: xr.Dataset) -> list[Part]:
 def _percentile_cells(values: np.ndarray, beside: np.ndarray | None = None) -> list:
     """Write percentiles of the finite values, those for design with their intervals,
     marked where those of others do not overlap."""
-    finite, cells = values[np.isfinite(values)], []
+    cells = []
     for percent in PERCENTILES:
-        cells.append(float(np.percentile(finite, percent)) if len(finite) else np.nan)
+        percentile = Percentile.of(values, percent)
+        cells.append(percentile.value)
         if percent in DESIGN_PERCENTILES:
-            ends = percentile_interval(values, percent)
-            text = interval_text(*ends)
-            if beside is not None and is_apart(
-                ends, percentile_interval(beside, percent)
-            ):
-                text += f", {DIFFERS}"
-            cells.append(text)
+            other = None if beside is None else percentile_interval(beside, percent)
+            cells.append(interval_beside(percentile.ends, other))
     return cells
 
 

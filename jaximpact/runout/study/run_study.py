@@ -9,9 +9,8 @@ import concurrent.futures
 import contextlib
 import json
 import time
-import warnings
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import numpy as np
@@ -21,8 +20,8 @@ from ..._packages import versions
 from ..._settings import numpy_settings
 from ...batch import Collector
 from ...code_state import digest, walk
-from ...errors import UnusualValueWarning
 from ...identity import name_of, name_with_fields
+from ...io.checks import warn_unusual
 from ...io.journal import Journal
 from ...parameters import Part
 from ...progress import Progress, ProgressFunction, as_progress
@@ -32,18 +31,17 @@ from ...shapes import MixedShapes
 from ...tasks import Task, computing, run_tasks
 from ...units import DEGREE, variable_attributes
 from ..analysis import first_passages, maxima_along, passages
-from ..blocks import Body, Release, select
+from ..blocks import Release, select
 from ..contacts.contact_models import ClosedForm
 from ..coordinates import FASTEST
 from ..scheduler import WIDTH, follow
 from ..terrain import ground_columns
 from ..trajectory import NOTABLE_E_N, Ending, Runs, state_after, stretches_of
 from .barriers import barrier_variables
-from .endings import valid_blocks
+from .results import PREFIX, valid_blocks
 from .second_run import (
     LEFT_OUT,
-    PREFIX,
-    SecondRun,
+    Run,
     differences,
     kinematics_of,
     second_run_of,
@@ -191,19 +189,17 @@ def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
 
 def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
     """Compute the kinetic energy of each block at release, and at its end [J]."""
-    mass, inertia = runs.release.mass_properties
-    p, blocks = runs.pieces, np.arange(len(mass))
-
-    def kinetic(body: Body, of: np.ndarray) -> np.ndarray:
-        squared = body.v_x**2 + body.v_y**2
-        return 0.5 * (mass[of] * squared + inertia[of] * body.angular_velocity**2)
-
-    start = kinetic(runs.release.body, blocks)
-    last = np.searchsorted(p.trajectory, blocks, "right") - 1
+    of_blocks, body = runs.release.mass_properties, runs.release.body
+    p, count = runs.pieces, runs.release.count
+    start = of_blocks.kinetic_energy(body.v_x, body.v_y, body.angular_velocity)
+    last = np.searchsorted(p.trajectory, np.arange(count), "right") - 1
     # A block that is released at an end of the profile leaves it at once.
-    moved = np.bincount(p.trajectory, minlength=len(mass)) > 0
+    moved = np.bincount(p.trajectory, minlength=count) > 0
     last, end = last[moved], start.copy()
-    end[moved] = kinetic(state_after(select(p, last), p.duration[last]), moved)
+    body = state_after(select(p, last), p.duration[last])
+    end[moved] = select(of_blocks, moved).kinetic_energy(
+        body.v_x, body.v_y, body.angular_velocity
+    )
     return start, np.where(runs.ending == Ending.stopped, 0.0, end)
 
 
@@ -241,10 +237,8 @@ def run_slope_study(
     """
     columns, count = columns_of_rows(study), study.release.count
     second = second_run_of(study) if second_run else LEFT_OUT
-    again = second if isinstance(second, SecondRun) else None
-    parts = [_Part(study, np.arange(count), 0)]
-    if again is not None:
-        parts.append(_Part(*again, first=count))
+    again = second if isinstance(second, Run) else None
+    parts = [Run(study, np.arange(count), 0), *([again] if again else [])]
     total = sum(len(part.blocks) for part in parts)
     opened = contextlib.nullcontext()
     if journal is not None:
@@ -266,14 +260,6 @@ def run_slope_study(
     others = rows[:count].copy()
     others[again.blocks] = rows[count:]
     return _with_second(dataset, again.study, others)
-
-
-class _Part(NamedTuple):
-    """Blocks of a study, whose rows of numbers follow each other."""
-
-    study: SlopeStudy
-    blocks: np.ndarray  # their numbers
-    first: int  # place of the first row
 
 
 def _with_second(
@@ -306,14 +292,14 @@ def _warn_of_speed(dataset: xr.Dataset) -> None:
     # A block that ends at its release may have none.
     fastest = np.fmax.reduce(speeds, initial=0.0)
     if fastest > FASTEST:
-        text = (
+        warn_unusual(
             f"a block reaches {fastest:.4g} m/s, while usual are up to {FASTEST:g}; is "
-            "the profile in feet, or another unit than metres?"
+            "the profile in feet, or another unit than metres?",
+            "max_speed_mps",
         )
-        warnings.warn(UnusualValueWarning(text, "max_speed_mps"), stacklevel=3)
 
 
-def _run_here(part: _Part, collector: Collector) -> None:
+def _run_here(part: Run, collector: Collector) -> None:
     size, waiting = FIRST_PORTION, _waiting(part, collector)
     while len(waiting):
         portion, waiting = waiting[:size], waiting[size:]
@@ -324,13 +310,13 @@ def _run_here(part: _Part, collector: Collector) -> None:
             size = min(GROWTH * size, WIDTH)
 
 
-def _waiting(part: _Part, collector: Collector) -> np.ndarray:
+def _waiting(part: Run, collector: Collector) -> np.ndarray:
     """Give the places of the blocks of a part that are not computed yet."""
     return np.flatnonzero(collector.missing[part.first :][: len(part.blocks)])
 
 
 def _run_elsewhere(
-    executor: concurrent.futures.Executor, part: _Part, collector: Collector
+    executor: concurrent.futures.Executor, part: Run, collector: Collector
 ) -> None:
     waiting = _waiting(part, collector)
     # 64 portions keep many workers busy; a lost worker costs 1024 blocks at most.

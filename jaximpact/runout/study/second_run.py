@@ -20,12 +20,10 @@ from ...reports.tables import Table, at_x, interval_text, number_text, place_tex
 from ..contacts.contact_models import FullModel
 from ..trajectory import NOTABLE_E_N
 from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, estimates_of
-from .endings import stops_of, valid_blocks
-from .intervals import DIFFERS, is_apart, percentile_interval
+from .intervals import DIFFERS, Percentile, is_apart
+from .results import second_of, stops_of, valid_blocks
 from .slope_file import SlopeStudy
 
-PREFIX = "second_run_"
-"""Begins the names of what the second run gives, among the variables of a dataset."""
 LEFT_OUT = "it was turned off"
 OTHER_LAW = "the contact law has no kinematics of the soil"
 ROUND = "all blocks are round, and either kinematics gives the same results"
@@ -40,17 +38,17 @@ PASSAGES = {
 """Quantities of passages by their words: variable, unit and factor."""
 
 
-class SecondRun(NamedTuple):
-    """Blocks that are run again."""
+class Run(NamedTuple):
+    """Blocks of a study that are run, whose rows of numbers follow each other."""
 
     study: SlopeStudy
-    """The study, with the other kinematics."""
-    blocks: np.ndarray
-    """Numbers of the elongated blocks."""
+    blocks: np.ndarray  # their numbers
+    first: int  # place of the first row
 
 
-def second_run_of(study: SlopeStudy) -> SecondRun | str:
-    """Prepare the second run, or say why there is none."""
+def second_run_of(study: SlopeStudy) -> Run | str:
+    """Prepare the second run, of the elongated blocks by the other kinematics, whose
+    rows follow those of the first; or say why there is none."""
     if not isinstance(study.law.contacts, FullModel):
         return OTHER_LAW
     elongated = np.flatnonzero(study.release.outline.heave > 0.0)
@@ -63,7 +61,7 @@ def second_run_of(study: SlopeStudy) -> SecondRun | str:
     # A kinematics of the user's may have random parameters, which the other has not.
     inputs = study.inputs._replace(ground_samples={})
     again = study._replace(ground=ground.with_soil(soil), inputs=inputs)
-    return SecondRun(again, elongated)
+    return Run(again, elongated, study.release.count)
 
 
 def kinematics_of(study: SlopeStudy) -> str:
@@ -71,25 +69,12 @@ def kinematics_of(study: SlopeStudy) -> str:
     return type(study.ground.soil.kinematics).__name__
 
 
-def second_of(dataset: xr.Dataset) -> tuple[str, xr.Dataset] | None:
-    """Give the kinematics of the second run, and its results under the names of the
-    first; None where there was none."""
-    names = [name for name in map(str, dataset) if name.startswith(PREFIX)]
-    if not names:
-        return None
-    renamed = {name: name.removeprefix(PREFIX) for name in names}
-    kinematics = json.loads(dataset.attrs["second_run"])["kinematics"]
-    return kinematics, dataset[names].rename(renamed)
-
-
 class DesignValue(NamedTuple):
-    """Percentile of the blocks, with its interval of 95 %."""
+    """Percentile of the blocks that barriers and the like are designed by."""
 
     words: str
     unit: str
-    value: float
-    low: float  # NaN where there are too few blocks
-    high: float
+    percentile: Percentile
 
 
 def differences(dataset: xr.Dataset) -> list[str]:
@@ -102,29 +87,29 @@ def differences(dataset: xr.Dataset) -> list[str]:
     return [
         f"{a.words}: {_value_text(a)}, but {_value_text(b)} by {kinematics}."
         for a, b in pairs
-        if is_apart(a[3:], b[3:])
+        if is_apart(a.percentile.ends, b.percentile.ends)
     ]
 
 
 def _value_text(value: DesignValue) -> str:
     # x may be in national coordinates.
     write = place_text if value.unit == "m" else number_text
-    ends = interval_text(value.low, value.high, write)
-    return f"{write(value.value)} {value.unit} ({ends})"
+    ends = interval_text(*value.percentile.ends, write)
+    return f"{write(value.percentile.value)} {value.unit} ({ends})"
 
 
 def design_values(dataset: xr.Dataset) -> Iterator[DesignValue]:
     """Yield the design values of a result: what comes to barriers, x where blocks
     stopped, and what passes collectors."""
-    for barrier, estimates in estimates_of(dataset):
+    for barrier, estimates, *_ in estimates_of(dataset):
         for name, (_, unit, _, words) in DESIGN_QUANTITIES.items():
             for percent in DESIGN_PERCENTILES:
-                estimate = estimates[f"{name}_p{percent}"]
+                percentile = Percentile(*estimates[f"{name}_p{percent}"][2:])
                 words_here = f"{words} at {barrier.name}, {percent} %"
-                yield DesignValue(words_here, unit, *estimate[2:])
+                yield DesignValue(words_here, unit, percentile)
     for percent in DESIGN_PERCENTILES:
         words_here = f"x by which {percent} % of the blocks stopped"
-        yield _percentile(words_here, "m", stops_of(dataset), percent)
+        yield DesignValue(words_here, "m", Percentile.of(stops_of(dataset), percent))
     valid = valid_blocks(dataset)
     places = dataset.collector.values if "collector" in dataset.sizes else ()
     for place, x in enumerate(places):
@@ -132,15 +117,7 @@ def design_values(dataset: xr.Dataset) -> Iterator[DesignValue]:
             values = factor * dataset[name].values[valid, place]
             for percent in DESIGN_PERCENTILES:
                 words_here = f"{words} at {at_x(x)}, {percent} %"
-                yield _percentile(words_here, unit, values, percent)
-
-
-def _percentile(
-    words: str, unit: str, values: np.ndarray, percent: float
-) -> DesignValue:
-    finite = values[np.isfinite(values)]
-    value = float(np.percentile(finite, percent)) if len(finite) else np.nan
-    return DesignValue(words, unit, value, *percentile_interval(finite, percent))
+                yield DesignValue(words_here, unit, Percentile.of(values, percent))
 
 
 def energy_table(dataset: xr.Dataset) -> Table:
@@ -184,10 +161,10 @@ def _energy_cells(dataset: xr.Dataset) -> tuple:
 def note(dataset: xr.Dataset) -> list[str]:
     """Say which numbers to take for design, where the two runs differ by more than
     their intervals; nothing where they do not."""
-    apart = differences(dataset)
-    if not apart:
+    second = json.loads(dataset.attrs["second_run"])
+    if isinstance(second, str) or not second["differences"]:  # or why there is none
         return []
-    other = json.loads(dataset.attrs["second_run"])["kinematics"]
+    apart, other = second["differences"], second["kinematics"]
     used = json.loads(dataset.attrs["kinematics"])
     rest = f"And {len(apart) - MOST_SHOWN} more, marked below: {DIFFERS}."
     return [

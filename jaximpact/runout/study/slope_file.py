@@ -127,7 +127,7 @@ class SlopeStudy(NamedTuple):
 class SlopeInput(NamedTuple):
     """Study as its file says it, before any block is sampled."""
 
-    path: Path
+    top: Key  # of the file
     checksums: dict[Path, str]  # SHA-256 of the files that the study names
     ground: GroundInput
     layout: GroundLayout
@@ -147,7 +147,7 @@ class SlopeInput(NamedTuple):
     ) -> tuple[dict[str, np.ndarray], Release, Ground]:
         """Sample blocks with their releases and their ground.
 
-        Quantities that are not sampled have `given` values, `(count,)` by key.
+        Quantities that are not sampled have `fixed` values, `(count,)` by key.
 
         Returns:
             Samples by key, blocks at release, and the ground as each block finds it.
@@ -158,50 +158,50 @@ class SlopeInput(NamedTuple):
         rest = {k: q for k, q in self.quantities.items() if k not in fixed}
         samples = draw(rest, count, seed) | dict(fixed)
         samples |= self.ground.sample_jointly(samples, count, seed)
-        top = Key(self.path)
         check_memory(
             count * profile.segments * len(self.ground.fields()),
             f"{count} blocks with ground of {profile.segments} cells each",
-            **top["ground"].place,
+            **self.top["ground"].place,
         )
         samples |= self.ground.sample_fields(self.layout, count, seed)
         columns = ground_columns(profile.soil), self.blocks.columns
         for name, values in samples.items():
-            _check_sample(top, name, values, *columns)
-        release = make_release(self.path, samples, profile, self.blocks)
+            _check_sample(self.top, name, values, *columns)
+        release = make_release(self.top, samples, profile, self.blocks)
         ground = self.ground.of_blocks(self.layout, samples, seed)
         for law in self.laws:
-            check_law(self.path, law, profile, release, ground)
+            check_law(self.top, law, profile, release, ground)
         return samples, release, ground
 
 
-def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeInput:
+def read_slope_input(
+    top: Key, content: dict, accuracy: str | None = None
+) -> SlopeInput:
     """Read what a study, with this content, says of ground, blocks, releases and laws;
     the accuracy of the full model stands in place of the file's.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
-    top = Key(path)
     check_keys(top, content, (*TABLES, *NUMBERS))
     checksums: dict[Path, str] = {}
-    ground = GroundInput.read(path, content)
-    layout = read_ground_profile(path, content, ground, checksums)
+    ground = GroundInput.read(top, content)
+    layout = read_ground_profile(top, content, ground, checksums)
     time = content.get("time_limit_s", TIME_LIMIT)
     hop_threshold = content.get("hop_threshold", HOP_THRESHOLD)
     return SlopeInput(
-        path=path,
+        top=top,
         checksums=checksums,
         ground=ground,
         layout=layout,
-        laws=read_laws(path, content, accuracy),
+        laws=read_laws(top, content, accuracy),
         seed=whole(top, content, "seed", 0, 0),
         limits=Limits(
             number(top["time_limit_s"], time, above=0.0, unit="s"),
             whole(top, content, "event_limit", EVENT_LIMIT, 1),
             number(top["hop_threshold"], hop_threshold, least=0.0),
         ),
-        blocks=read_blocks(path, content),
-        start=read_release(path, content, layout.profile),
+        blocks=read_blocks(top, content),
+        start=read_release(top, content, layout.profile),
     )
 
 
@@ -234,7 +234,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     path = Path(path)
     top, data = Key(path), read_input(path)
     content = parse_toml(path, data)
-    slope = read_slope_input(path, content, accuracy)
+    slope = read_slope_input(top, content, accuracy)
     ground, profile = slope.ground, slope.layout.profile
     jointly, fields = ground.sampled_jointly(), ground.fields()
     count = _count(top, content, slope, by_chance=bool(jointly or fields))
@@ -251,7 +251,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         collectors=_collectors(top, content, profile),
         bins=bins,
         limits=slope.limits,
-        barriers=read_barriers(path, content, profile),
+        barriers=read_barriers(top, content, profile),
         export_trajectories=exported,
     )
     varied = *jointly, *ground.varied()
@@ -267,7 +267,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         },
         random_ground=frozenset(key.split(".")[-1] for key in (*varied, *fields)),
         materials=slope.layout.materials,
-        placement=read_map_placement(path, content, profile),
+        placement=read_map_placement(top, content, profile),
         smoothing=slope.layout.smoothing,
     )
     return [
