@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Iterator
-from typing import TextIO
+from typing import Any, TextIO
 
 from .errors import InputError, shown
 from .progress import (
@@ -28,18 +28,33 @@ def say(text: str) -> None:
     write(sys.stderr, f"jaximpact: {shown(text)}\n")
 
 
-def write(stream: TextIO, text: str) -> None:
-    """Write at once. What cannot be told, on a full disk, ends no computation."""
+def write(stream: TextIO | None, text: str) -> None:
+    """Write at once. What cannot be told, on a full disk or where there is no stderr,
+    ends no computation."""
+    if stream is None:  # of a program of Windows without a console
+        return
     try:
         stream.write(text)
-        stream.flush()
+        if hasattr(stream, "flush"):
+            stream.flush()
     except OSError:
         forget(stream)
+    except ValueError:  # it was closed
+        pass
+
+
+def _is_terminal(stream: Any) -> bool:
+    """Tell whether a stream is a terminal. None, and objects that stand in for stderr,
+    may not know."""
+    try:
+        return stream.isatty()
+    except (AttributeError, OSError, ValueError):
+        return False
 
 
 def forget(stream: TextIO) -> None:
     """Let go of what could not be written: Python must not try again at exit."""
-    with contextlib.suppress(OSError, ValueError):
+    with contextlib.suppress(AttributeError, OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -57,7 +72,7 @@ class ProgressLines(Progress):
     def __init__(self, delay: float = 0.0):
         self._stream = sys.stderr
         in_notebook = type(self._stream).__module__.startswith("ipykernel")
-        self._overwrites = self._stream.isatty() or in_notebook
+        self._overwrites = _is_terminal(self._stream) or in_notebook
         self._first = time.monotonic() + delay
         self._length = 0
         self._last_part: tuple[str, int] | None = None

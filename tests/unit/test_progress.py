@@ -1,12 +1,13 @@
 """Progress is told to whoever listens, and to the log."""
 
 import logging
+import sys
 
 import pytest
 
 from jaximpact.backend.native_backend import _telling_how_long
 from jaximpact.progress import reporting_to, tell, within
-from jaximpact.progress_lines import showing
+from jaximpact.progress_lines import say, showing
 
 
 def test_steps_and_counts_are_in_the_log(caplog):
@@ -41,3 +42,33 @@ def test_who_waits_for_the_compiler_is_told_so_once(capsys):
     with _telling_how_long(True, False):
         pass
     assert capsys.readouterr().err == 2 * f"{line}\n"
+
+
+class _WriteAlone:
+    """What a graphical program may put in the place of stderr."""
+
+    def __init__(self):
+        self.written = ""
+
+    def write(self, text):
+        self.written += text
+
+
+class _Full:
+    def write(self, text):
+        raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("kind", ["none", "closed", "write alone", "full"])
+def test_who_has_no_stderr_computes_all_the_same(kind, monkeypatch):
+    """There is none under pythonw.exe, for one."""
+    closed = open(__file__)  # noqa: SIM115
+    closed.close()
+    streams = {"none": None, "closed": closed, "full": _Full()}
+    stream = streams.get(kind, _WriteAlone())
+    monkeypatch.setattr(sys, "stderr", stream)
+    with showing(None, delay=0.0):
+        tell("impacts", 1, 2)
+    say("done")
+    if isinstance(stream, _WriteAlone):
+        assert stream.written == "1 of 2 impacts (50 %)\njaximpact: done\n"
