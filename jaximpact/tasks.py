@@ -145,9 +145,18 @@ class _Pickler(pickle.Pickler):
 
 def _same_class(file: str | None, module: str, name: str, digest: str) -> type:
     """Return the class of a law or a shape. Raises InputError where this process has
-    another one under its name: a worker that began before an edit."""
+    none under its name, as of a cell of a notebook, or another one: a worker that began
+    before an edit."""
     if file is None:
-        kind = operator.attrgetter(name)(import_module(module))
+        # Not refused by the sender: threads and workers inside its process have it.
+        try:
+            kind = operator.attrgetter(name)(import_module(module))
+        except AttributeError as error:
+            raise InputError(
+                f"a worker on {platform.node()} has no class {name} in {module}; put "
+                "it into a module or a file, not into a cell of a notebook, and start "
+                "the workers anew after an edit"
+            ) from error
     else:
         kind = class_of_file(file, name)
     if code_digest(kind) != digest:

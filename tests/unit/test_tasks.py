@@ -5,6 +5,7 @@ import importlib
 import multiprocessing
 import sys
 import threading
+import types
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -58,6 +59,21 @@ def test_a_worker_with_another_law_says_so(tmp_path, monkeypatch):
     tasks._unpickled.cache_clear()
     module.FACTOR = 0.9
     with pytest.raises(InputError, match=r"another Strong .*FACTOR=0.9.*anew"):
+        task()
+
+
+def test_a_law_of_a_notebook_is_for_workers_in_its_process_alone(monkeypatch):
+    """Such as threads. Other processes have another `__main__`."""
+    notebook = types.ModuleType("__main__")
+    monkeypatch.setitem(sys.modules, "__main__", notebook)
+    exec("from jaximpact.laws import Vesic\nclass Weak(Vesic): pass", vars(notebook))
+    task = Task(str, Soil(bearing=notebook.Weak()))
+    with ThreadPoolExecutor(1) as pool:
+        assert "Weak" in pool.submit(task).result()
+    tasks._unpickled.cache_clear()
+    monkeypatch.setitem(sys.modules, "__main__", types.ModuleType("__main__"))
+    expected = "no class Weak in __main__; put it into a module or a file"
+    with pytest.raises(InputError, match=expected):
         task()
 
 
