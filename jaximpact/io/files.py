@@ -154,7 +154,7 @@ def replacing(path: Path) -> Iterator[Path]:
     target = target_of(path)
     _check_file(path, target)
     temporary = _temporary(path, target)
-    with unfinished(temporary), naming(path):
+    with unfinished(temporary), naming(path, temporary):
         try:
             yield temporary
             # The name must not outlive the content in a power cut.
@@ -167,14 +167,15 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def naming(path: Path) -> Iterator[None]:
-    """Have an OSError that names no file, as that of a full disk, name this one."""
+def naming(path: Path, temporary: str | Path = "") -> Iterator[None]:
+    """Have an OSError that names no file, as that of a full disk, name this one; also
+    one that names the temporary file in its place, which the user does not know."""
     try:
         yield
     except OSError as error:
-        if error.errno is not None and error.filename is None:
-            error.filename = str(path)
-        raise
+        if error.errno is None or error.filename not in (None, str(temporary)):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def write_text(path: Path, text: str) -> None:

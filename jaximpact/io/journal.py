@@ -108,13 +108,24 @@ class Journal:
                 file=self.path,
             )
         if first != self.first_line:
-            self.file.truncate(0)
-            self.file.write(self.first_line)
-            self.file.flush()
+            self._begin()
         whole = len(self.first_line)
         for _ in self._whole_blocks():
             whole = self.file.tell()
         self.file.truncate(whole)
+
+    def _begin(self) -> None:
+        """Write the first line alone. On a full disk no file stays behind, and the
+        error is that of writing: closing fails too, but closes."""
+        self.file.truncate(0)
+        try:
+            self.file.write(self.first_line)
+            self.file.flush()
+        except OSError:
+            with contextlib.suppress(OSError):
+                self.file.close()
+            self.path.unlink(missing_ok=True)
+            raise
 
     def _whole_blocks(self) -> Iterator[np.ndarray]:
         """Yield the rows of one block after another, up to the first that is not

@@ -1,5 +1,6 @@
 """Runs that are cut short, and go on."""
 
+import contextlib
 import dataclasses
 import os
 import signal
@@ -133,18 +134,32 @@ def test_a_file_that_cannot_be_opened_is_refused(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_on_a_full_disk_no_lock_stays(tmp_path):
+@contextlib.contextmanager
+def room_for(size):
     """A limit of the size of files stands for a disk that is full."""
     resource = pytest.importorskip("resource")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:
-        with pytest.raises(OSError, match=r"large: '.*a\.journal'"):
-            fill(tmp_path / "a.journal", 100)
+        yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_on_a_full_disk_no_lock_stays(tmp_path):
+    with room_for(1000), pytest.raises(OSError, match=r"large: '.*a\.journal'"):
+        fill(tmp_path / "a.journal", 100)
     assert [path.name for path in tmp_path.iterdir()] == ["a.journal"]
     assert len(read(tmp_path / "a.journal")[0]) > 0
+
+
+@pytest.mark.parametrize("found", [b"", b'{"col'])
+def test_without_room_for_its_first_line_no_journal_stays(tmp_path, found):
+    """Neither a new one, nor one that had the half of it from the time before."""
+    (tmp_path / "a.journal").write_bytes(found)
+    with room_for(20), pytest.raises(OSError, match=r"large: '.*a\.journal'"):
+        fill(tmp_path / "a.journal")
+    assert not [*tmp_path.iterdir()]
 
 
 def test_a_journal_is_of_one_process(tmp_path):

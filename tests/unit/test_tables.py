@@ -219,6 +219,19 @@ def test_a_full_disk_is_told_with_the_file(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+def test_an_error_names_the_file_that_was_asked_for(tmp_path):
+    """Not the hidden one that is written in its place; other files keep their names."""
+
+    def write(place):
+        with replacing(tmp_path / "a.png") as temporary:
+            raise OSError(28, "No space left on device", str(place or temporary))
+
+    with pytest.raises(OSError, match=r"on device: '[^']*[/\\]a\.png'$"):
+        write(None)
+    with pytest.raises(OSError, match="on device: 'other'"):
+        write("other")
+
+
 # --- Parquet
 
 
