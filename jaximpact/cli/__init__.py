@@ -12,6 +12,7 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from typing import TextIO
 
 from .._packages import needed, version_of
 from ..errors import (
@@ -188,8 +189,10 @@ def _prepare_streams() -> None:
     """Make the standard streams such that any text can be written to them.
 
     A character that the encoding lacks is replaced. Writing to a closed stdout fails as
-    on a full disk, and to a closed stderr is lost. Descriptors 0 to 2 are taken, so
-    that no file of ours gets one that other code writes to.
+    on a full disk, and to a closed stderr is lost. Under `PYTHONUNBUFFERED` stdout
+    keeps a line: without a buffer Python passes over that for which a disk has no room.
+    Descriptors 0 to 2 are taken, so that no file of ours gets one that other code
+    writes to.
     """
     for descriptor in range(3):
         try:
@@ -199,12 +202,20 @@ def _prepare_streams() -> None:
             os.open(os.devnull, os.O_RDWR if descriptor == 2 else os.O_RDONLY)
     if sys.stdout is None:
         sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    elif sys.stdout is sys.__stdout__ and _has_no_buffer(sys.stdout):
+        sys.stdout = open(  # noqa: SIM115
+            1, "w", buffering=1, encoding=sys.stdout.encoding, closefd=False
+        )
     if sys.stderr is None:
         sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     for stream, errors in ((sys.stdout, "replace"), (sys.stderr, "backslashreplace")):
         # Streams that stand in for them, as in tests, take every character.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=errors)
+
+
+def _has_no_buffer(stream: TextIO) -> bool:
+    return isinstance(getattr(stream, "buffer", None), io.RawIOBase)
 
 
 def _stdout_problem() -> str | None:

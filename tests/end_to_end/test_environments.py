@@ -35,6 +35,12 @@ e_t = 0.8
         ("--version >&-", {}, 1, "error: stdout cannot be written: Bad file"),
         ("--help >/dev/full", {}, 1, "error: stdout cannot be written: No space left"),
         (
+            "--help >/dev/full",
+            {"PYTHONUNBUFFERED": "1"},
+            1,
+            "error: stdout cannot be written: No space left",
+        ),
+        (
             "simulate s.toml >/dev/full",
             {},
             1,
@@ -72,11 +78,9 @@ e_t = 0.8
 def test_environments(folder, command, settings, code, said):
     (folder / "s.toml").write_text(SCENE)
     (folder / "slope.toml").write_text(STUDY, encoding="utf-8")
-    # Unbuffered, a full stdout would be found out at the first write.
-    environment = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"}
     finished = subprocess.run(
         ["bash", "-c", f"{sys.executable} -m jaximpact {command}"],
-        env=environment | settings,
+        env=os.environ | {"PYTHONUNBUFFERED": ""} | settings,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         timeout=120,
