@@ -159,14 +159,16 @@ READ_BY_NAME = "__jaximpact_read_by_name__"
 
 def _module_of_file(slot: str, path: Path):
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise InputError(f"is no file; it is named as the {slot}", file=path)
-        content = path.read_bytes()
-    except OSError as error:
+        is_file = stat.S_ISREG(path.stat().st_mode)
+        content = path.read_bytes() if is_file else b""
+    except (OSError, ValueError) as error:
+        # A ValueError is of a name that the file system's encoding lacks.
+        reason = getattr(error, "strerror", None) or error
         raise InputError(
-            f"cannot be read: {error.strerror or error}; it is named as the {slot}",
-            file=path,
+            f"cannot be read: {reason}; it is named as the {slot}", file=path
         ) from error
+    if not is_file:
+        raise InputError(f"is no file; it is named as the {slot}", file=path)
     program = sys.modules.get("__main__")
     if getattr(program, "__spec__", 0) is None and path.resolve() == _file(program):
         return program  # which must not be run once more

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from jaximpact import Block, Impact, Scene, Soil
 from jaximpact.backend.xla_compilation import unfused_jit
+from jaximpact.errors import InputError
 from jaximpact.impact.dynamics import contact, force_rate, initial_motion, prepare
 from jaximpact.laws import (
     Coulomb,
@@ -519,3 +520,10 @@ def test_contact_is_finite_with_its_gradients_at_every_singular_state(
 def test_a_law_without_parameters_refuses_any():
     with pytest.raises(TypeError, match="DeepestPoint has no field 'x'; it has none"):
         DeepestPoint(x=1.0)
+
+
+def test_a_law_in_a_file_whose_name_cannot_be_encoded_is_refused():
+    """As every letter beyond ASCII where Python runs with `LC_ALL=C` and without its
+    UTF-8 mode."""
+    with pytest.raises(InputError, match=r"cannot be read: .*it is named as the flow"):
+        Soil(flow="\ud800.py:F")
