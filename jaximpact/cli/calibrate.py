@@ -129,7 +129,7 @@ def add_parser(commands) -> None:
         help="study.toml, what to fit to which data and how; tests.csv, the tests "
         "alone; or slope.toml, a slope with what was observed there",
     )
-    options.add_directory(parser, "report, fitted values and plot")
+    options.add_directory(parser, "report and fitted values")
     parser.add_argument(
         "--posterior",
         action="store_true",
