@@ -63,8 +63,7 @@ class Calibration:
         self.result, self.examined, self.others = result, examined, others
 
     def __repr__(self) -> str:
-        study = self.result.study
-        lines = [f"<Calibration: {len(study.tests)} tests of {study.title}"]
+        lines = [f"<Calibration: {self.result.study.tests.described}"]
         for variant in self.result.variants:
             lines += [f"{variant.variant.name}:"] if len(self.variants) > 1 else []
             lines.append(parameter_table(variant).text())

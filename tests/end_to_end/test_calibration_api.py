@@ -119,7 +119,7 @@ def test_a_summary_at_a_glance(found):
     ):
         assert words in text
     assert max(map(len, text.splitlines())) <= 100
-    assert "6 tests" in repr(found)
+    assert repr(found).startswith("<Calibration: 6 tests of tests.csv\n")
 
 
 def test_a_summary_says_what_is_not_determined(written):
