@@ -62,6 +62,13 @@ def whole_number(name: str, value, least: int, most: int = 2**63 - 1) -> int:
     return int(value)
 
 
+def truth(name: str, value) -> bool:
+    """Return True or False; InputError for anything but these, 1 and 0."""
+    if not isinstance(value, int | np.bool_) or value not in (0, 1):
+        raise InputError(f"{name} must be True or False, but is {_told(value)}")
+    return bool(value)
+
+
 def expect(name: str, value, *kinds: type) -> None:
     """Raise InputError unless a value is of one of the kinds."""
     if not isinstance(value, kinds):

@@ -16,6 +16,7 @@ import jax
 import numpy as np
 from jax.core import Tracer
 
+from ._checks import truth
 from ._packages import versions
 from ._precision import require_float64
 from ._settings import numpy_settings
@@ -103,12 +104,14 @@ def simulate_batch(
     arrays too.
 
     Raises:
-        ValueError: a value out of its range, naming the scene.
+        ValueError: a value out of its range, naming the scene; a `ledger` that is no
+            truth value.
         InputError: a journal of other scenes, settings, laws, shapes or versions.
         IncompleteError: workers of the executor were lost for good.
     """
     require_float64()
     setting = get_accuracy(accuracy)
+    ledger = ledger is not None and truth("ledger", ledger)
     scene = as_scene(scene, soil, impact)
     check_scene(scene, batched=True, warn=True)
     if isinstance(scene.block.shape, MixedShapes):

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._checks import truth
 from ._jax_internals import Tracer, namespace_of
 from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
@@ -72,8 +73,9 @@ def simulate(
 
     Raises:
         ValueError: a value out of its range, a time that is NaN, an unknown accuracy or
-            engine, a solver that estimates no errors, `save_at` together with
-            `history` or with diffrax, or many impacts with `history`.
+            engine, a `ledger` that is no truth value, a solver that estimates no
+            errors, `save_at` together with `history` or with diffrax, or many impacts
+            with `history`.
         RuntimeError: JAX is set to float32.
     """
     require_float64()
@@ -103,6 +105,7 @@ def simulate(
             np.ndim(x) or isinstance(x, Tracer) for x in values
         )
         ledger = is_one and times.ndim <= 1 and not isinstance(times, Tracer)
+    ledger = truth("ledger", ledger)
 
     def solved(structure, values, times):
         """Compute impacts of blocks of one shape, and their histories."""

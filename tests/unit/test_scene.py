@@ -329,3 +329,15 @@ def test_a_scene_in_a_tuple_is_whole():
 def test_a_value_is_given_once():
     with pytest.raises(TypeError, match="Impact got two values of 'speed'"):
         Impact(1.0, speed=2.0)
+
+
+@pytest.mark.parametrize("function", [simulate, simulate_batch])
+def test_a_ledger_is_asked_for_by_a_truth_value(function):
+    """Texts, true for Python, would make every impact fail."""
+    for value in ("no", "arm", 2, 1.0, [True]):
+        with pytest.raises(InputError, match=r"^ledger must be True or False, but is "):
+            function(Scene(), ledger=value)
+    for value in (True, 1, np.bool_(True)):
+        assert function(Scene(), ledger=value).energy is not None
+    for value in (False, 0):
+        assert function(Scene(), ledger=value).energy is None
