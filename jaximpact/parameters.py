@@ -13,7 +13,6 @@ import warnings
 import weakref
 from collections.abc import Mapping
 from typing import (
-    TYPE_CHECKING,
     Any,
     ClassVar,
     NamedTuple,
@@ -28,27 +27,13 @@ import numpy as np
 
 from ._checks import real_numbers
 from ._fixed_fields import check_fixed_fields, fixed_fields, unusual_fields
+from ._module import Module, set_in_float64
 from ._precision import float64_leaf
 from ._tables import Row, html_table
 from ._types import Number, Shown
 from .errors import InputError, UnusualValueWarning, did_you_mean
 from .finding import find_part
 from .units import SIZES, SUFFIXES, check_unit, with_unit
-
-if TYPE_CHECKING:
-
-    class Module:
-        """Signature of `equinox.Module` for type checkers.
-
-        The constructor of a composite takes parameters of parts by their names too;
-        that of a part they read off its fields.
-        """
-
-        __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
-
-        def __init__(self, *values: Any, **named: Any) -> None: ...
-else:
-    Module = eqx.Module
 
 Made = TypeVar("Made", bound=Module | eqx.Module)
 
@@ -290,6 +275,8 @@ class Part(Module):
                 _check(cls, name, value)
         return super().__new__(cls)
 
+    __setstate__ = set_in_float64
+
     def __repr__(self) -> str:
         inside = [f"{name}={value}" for name, value, _ in _own_rows(self)]
         inside += [f"{name}={of!r}" for name, of in unusual_fields(self).items()]
@@ -400,6 +387,8 @@ class Composite(Module):
         # Equinox reads the signature of a class off its `__init__`.
         init.__signature__ = _signature(cls)  # pyright: ignore[reportAttributeAccessIssue]
         cls.__init__ = init
+
+    __setstate__ = set_in_float64
 
     def __init__(self, *values, **named):
         kind = type(self)

@@ -25,8 +25,8 @@ from jaximpact.cli import main
 LAYERS = """
     _public_names
     errors _types _tables _safe _checks _jax_internals _settings _precision units
-    _fixed_fields _packages interruption progress progress_lines file_locks store
-    finding code_state parameters identity accuracy
+    _module _fixed_fields _packages interruption progress progress_lines file_locks
+    store finding code_state parameters identity accuracy
     shapes laws part_checks scene
     quantities scene_quantities
     impact restitution
