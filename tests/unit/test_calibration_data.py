@@ -1,6 +1,7 @@
 """Measurements as people have them: campaigns, gaps, limits, outliers, and quantities
 that nobody measured."""
 
+import csv
 from types import SimpleNamespace
 
 import numpy as np
@@ -27,6 +28,7 @@ from jaximpact.calibration.problem.noise import (
     true_curvature,
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
+from jaximpact.calibration.report.comparison import comparison_csv
 from jaximpact.calibration.report.contents import (
     _fixed_quantities,
     about,
@@ -183,6 +185,24 @@ def test_files_of_one_name_are_told_apart(tmp_path):
     fitted_rows = fitted_table(result, [found]).frame()
     assert fitted_rows.file.tolist() == [names[0], names[0], names[1]]
     assert tests.name(2) == "2023/tests row 2"
+
+
+def comparison_rows(study):
+    """Rows of comparison.csv for one law, all of whose predictions are 0."""
+    numbers = np.zeros(study.measured.shape)
+    left_out = SimpleNamespace(
+        density=numbers[:, 0], predicted=numbers, deviation=numbers
+    )
+    law = SimpleNamespace(name="model", left_out=left_out)
+    part = SimpleNamespace(study=study, laws=[law])
+    text = comparison_csv(SimpleNamespace(parts=[part]))
+    return list(csv.DictReader(text.splitlines()))
+
+
+def test_limits_are_marked_in_the_table_of_a_comparison():
+    rows = comparison_rows(study_of_columns({"e_n": ["0.2", ">0.3", "<0.1"]}))
+    assert [row["limit"] for row in rows] == ["", ">", "<"]
+    assert [row["measured"] for row in rows] == ["0.2", "0.3", "0.1"]
 
 
 def test_whole_numbers_with_and_without_a_point_are_one_group(tmp_path):

@@ -9,10 +9,11 @@ from ...reports.tables import Table, listed
 from ..comparison.comparison import Compared, GroupScores
 from ..comparison.ranking import ERRORS, FEWEST_UNITS, SMALL_DIFFERENCE, Ranking
 from ..problem.config import Variant
+from ..problem.dataset import LIMITS
 
 CSV_COLUMNS = (
-    *("compared_on", "law", "row", "test", "log_density", "target", "measured"),
-    *("left_out", "left_out_deviation"),
+    *("compared_on", "law", "row", "test", "log_density", "target", "limit"),
+    *("measured", "left_out", "left_out_deviation"),
 )
 RULE = (
     f"Two laws tie where their scores differ by less than {ERRORS:g} standard errors, "
@@ -248,13 +249,15 @@ def comparison_csv(compared: Compared) -> str:
     """Write a line for each law and each measurement.
 
     `log_density` is that of all targets of a test that are compared, and stands in
-    every line of it; `compared_on` names them.
+    every line of it; `compared_on` names them. `limit` is `>` or `<` where only a limit
+    is known.
     """
     rows = [
         (
             *(" ".join(one.study.targets), law.name),
             *(test + 1, one.study.tests.name(int(test)), law.left_out.density[test]),
-            *(one.study.targets[target], one.study.measured[test, target]),
+            *(one.study.targets[target], LIMITS[int(one.study.censored[test, target])]),
+            one.study.measured[test, target],
             law.left_out.predicted[test, target],
             law.left_out.deviation[test, target],
         )
