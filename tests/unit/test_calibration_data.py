@@ -159,6 +159,18 @@ def test_campaigns_are_joined(tmp_path):
     np.testing.assert_array_equal(joined.censored[2:], [[0, 1], [-1, 0]])
 
 
+def comparison_rows(study):
+    """Rows of comparison.csv for one law, all of whose predictions are 0."""
+    numbers = np.zeros(study.measured.shape)
+    left_out = SimpleNamespace(
+        density=numbers[:, 0], predicted=numbers, deviation=numbers
+    )
+    law = SimpleNamespace(name="model", left_out=left_out)
+    part = SimpleNamespace(study=study, laws=[law])
+    text = comparison_csv(SimpleNamespace(parts=[part]))
+    return list(csv.DictReader(text.splitlines()))
+
+
 def test_files_of_one_name_are_told_apart(tmp_path):
     for folder, text in (("2019", "100,0.1\n400,0.2\n"), ("2023", "300,0.3\n")):
         (tmp_path / folder).mkdir()
@@ -184,19 +196,12 @@ def test_files_of_one_name_are_told_apart(tmp_path):
     result = SimpleNamespace(study=study, variants=[variant])
     fitted_rows = fitted_table(result, [found]).frame()
     assert fitted_rows.file.tolist() == [names[0], names[0], names[1]]
+    assert fitted_rows.row.tolist() == [2, 3, 2]
     assert tests.name(2) == "2023/tests row 2"
-
-
-def comparison_rows(study):
-    """Rows of comparison.csv for one law, all of whose predictions are 0."""
-    numbers = np.zeros(study.measured.shape)
-    left_out = SimpleNamespace(
-        density=numbers[:, 0], predicted=numbers, deviation=numbers
-    )
-    law = SimpleNamespace(name="model", left_out=left_out)
-    part = SimpleNamespace(study=study, laws=[law])
-    text = comparison_csv(SimpleNamespace(parts=[part]))
-    return list(csv.DictReader(text.splitlines()))
+    # The table of a comparison is joined with it by file and row.
+    compared = comparison_rows(study)
+    assert [row["file"] for row in compared] == fitted_rows.file.tolist()
+    assert [int(row["row"]) for row in compared] == [2, 3, 2]
 
 
 def test_limits_are_marked_in_the_table_of_a_comparison():
