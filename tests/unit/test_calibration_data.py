@@ -330,6 +330,24 @@ def test_what_stands_in_tables_and_curves_twice_is_told(tmp_path):
     assert len(told("curve.csv", "curve.csv")) == 2
 
 
+def test_the_copy_of_a_table_is_told(tmp_path):
+    """Though its name is that of a campaign. The same numbers in two campaigns that the
+    tables state are no copy."""
+    path = tmp_path / "study.toml"
+    path.write_text('data = ["a.csv", "a_copy.csv"]\n')
+
+    def told(campaign, of_copy):
+        for name, stated in (("a", campaign), ("a_copy", of_copy)):
+            rows = f"{stated},100,0.1\n{stated},400,0.2\n"
+            (tmp_path / f"{name}.csv").write_text("campaign,mass_kg,e_n\n" + rows)
+        return read_study(path).tests.repeated_in_words()
+
+    for campaign in ("", "north"):
+        (line,) = told(campaign, campaign)
+        assert "column: 2, the first of them a_copy row 2 as a row 2." in line
+    assert told("north", "south") == []
+
+
 def test_the_middle_of_the_tests_has_a_curve_once(tmp_path):
     """Where further tests are looked for, however many points it has."""
     curve = "".join(f"{0.001 * k},{1e3 * k}\n" for k in range(1, 40))
