@@ -165,14 +165,29 @@ def test_a_few_grounds_are_drawn_one_by_one_and_many_in_classes():
 
 def test_grounds_are_named_by_material_and_by_what_is_alike_for_all_blocks():
     profile = Profile([0, 1, 2, 3], [3, 2, 1, 0], Soil(c_v=0.5, k_E=[900, 500, 900]))
-    drawn = drawn_grounds(profile, ("scree", "meadow", ""), {"k_E"})
+    everywhere = {"k_E": np.ones(3, bool)}
+    drawn = drawn_grounds(profile, ("scree", "meadow", ""), everywhere)
     assert drawn.number == [0, 1, 2]
     assert drawn.words == ["scree", "meadow", "one ground"]
-    assert drawn_grounds(profile, (), {"k_E"}).words == ["one ground"]
+    assert drawn_grounds(profile, (), everywhere).words == ["one ground"]
     assert drawn_grounds(profile, ("scree", "meadow", "scree")).words == [
         "scree, k_E = 900",
         "meadow, k_E = 500",
     ]
+
+
+@pytest.mark.parametrize("segments", [3, 24])
+def test_grounds_are_drawn_apart_where_a_quantity_is_random_on_some(segments):
+    """One by one, and in classes of many."""
+    c_v = np.linspace(0.4, 0.9, segments)
+    profile = Profile(np.arange(segments + 1.0), np.zeros(segments + 1), Soil(c_v=c_v))
+    first = {"c_v": np.arange(segments) < 1}
+    drawn = drawn_grounds(profile, (), first)
+    words = [drawn.words[number] for number in drawn.number]
+    assert words[0] == "c_v random"
+    assert words.count("c_v random") == 1
+    assert words[-1] == ("c_v = 0.9" if segments == 3 else "c_v = 0.804 to 0.9")
+    assert len(set(drawn.colours)) == len(drawn.colours) == len(set(words))
 
 
 X, Y = np.array([0.0, 100.0, 200.0, 400.0, 1000.0]), np.array([230.0, 170, 115, 0, 0])

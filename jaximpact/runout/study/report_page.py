@@ -90,11 +90,10 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         "has_collectors": bool(len(study.settings.collectors)),
         "data": _data(study, dataset, drawing["scale"]),
     }
-    alike = "Ground along the profile, where it is alike for all blocks"
     settings = [
         _settings(study),
         ReportSection("Blocks and releases", [_inputs(study)]),
-        ReportSection(alike, [_grounds(study)]),
+        ReportSection("Ground along the profile", [_grounds(study)]),
     ]
     sections = [
         ReportSection(
@@ -392,7 +391,7 @@ def _inputs(study: SlopeStudy) -> Table:
 
 
 def _grounds(study: SlopeStudy) -> Table:
-    """Write the stretches of ground that is alike for all blocks, 40 at most."""
+    """Write the stretches of one ground each, 40 at most."""
     inputs, x = study.inputs, study.profile.x
     number, descriptions = grounds_of(
         study.profile, inputs.materials, inputs.random_ground

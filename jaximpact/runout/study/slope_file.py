@@ -1,7 +1,7 @@
 """Run-out study from a TOML file."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -85,8 +85,9 @@ class StudyInputs(NamedTuple):
     ground_samples: dict[str, np.ndarray]
     """Quantities of the ground that differ from block to block, `(blocks,)`, in the
     units of the names: those of a segment as `segment_2_c_v`."""
-    random_ground: frozenset[str]
-    """Names of the quantities of the ground that differ from block to block."""
+    random_ground: dict[str, np.ndarray]
+    """Quantities of the ground that differ from block to block, by name: whether they
+    do on each segment, `(segments,)`."""
     materials: tuple[str, ...]
     """Material of each segment, "" for none."""
     placement: MapPlacement | None = None
@@ -265,7 +266,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             key.removeprefix("ground.").replace(".", "_"): samples[key]
             for key in varied
         },
-        random_ground=frozenset(key.split(".")[-1] for key in (*varied, *fields)),
+        random_ground=_random_ground(slope.layout, (*varied, *fields)),
         materials=slope.layout.materials,
         placement=read_map_placement(top, content, profile),
         smoothing=slope.layout.smoothing,
@@ -292,6 +293,16 @@ def _count(top: Key, content: dict, slope: SlopeInput, by_chance: bool) -> int:
     by_chance |= is_random(quantities)
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     return whole(top, content, "count", count, 1)
+
+
+def _random_ground(layout: GroundLayout, keys: Iterable[str]) -> dict[str, np.ndarray]:
+    """Tell by name on which segments quantities of the ground differ from block to
+    block, of which there may be several of a name."""
+    where: dict[str, np.ndarray] = {}
+    for key in keys:
+        name = key.split(".")[-1]
+        where[name] = layout.where(key) | where.get(name, False)
+    return where
 
 
 def _default_angles(profile: Profile) -> dict[str, float]:
