@@ -190,6 +190,16 @@ def test_grounds_are_drawn_apart_where_a_quantity_is_random_on_some(segments):
     assert len(set(drawn.colours)) == len(drawn.colours) == len(set(words))
 
 
+def test_many_grounds_without_known_differences_have_one_colour():
+    profile = Profile(np.arange(11.0), np.zeros(11), Soil(c_v=0.5))
+    materials = [f"m{i}" for i in range(10)]
+    for random in ({}, {"c_v": np.arange(10) < 5}, {"c_v": np.ones(10, bool)}):
+        drawn = drawn_grounds(profile, materials, random)
+        assert drawn.words == ["10 grounds without known differences"]
+        assert drawn.number == [0] * 10
+        assert len(drawn.colours) == 1
+
+
 X, Y = np.array([0.0, 100.0, 200.0, 400.0, 1000.0]), np.array([230.0, 170, 115, 0, 0])
 
 

@@ -242,17 +242,22 @@ def drawn_grounds(
     random = random or {}
     number, descriptions = grounds_of(profile, materials, random)
     if len(descriptions) > len(GROUNDS):
-        return _classes(*_ground_values(profile, random))
+        classes = _classes(*_ground_values(profile, random))
+        alike = f"{len(descriptions)} grounds without known differences"
+        return classes or DrawnGrounds([0] * len(number), [SOIL], [alike])
     words = [", ".join(words[:3]) or "one ground" for words in descriptions]
     return DrawnGrounds(number, list(GROUNDS[: len(descriptions)]), words)
 
 
-def _classes(names: list[str], values: np.ndarray) -> DrawnGrounds:
-    """Divide ground, with names and values as `_ground_values` gives them."""
+def _classes(names: list[str], values: np.ndarray) -> DrawnGrounds | None:
+    """Divide ground, with names and values as `_ground_values` gives them; None where
+    all known values are the same."""
     known = np.ma.masked_invalid(values)
     spread = known.std(axis=0) / np.ma.maximum(abs(known).mean(axis=0), 1e-12)
     most = int(np.argmax(spread.filled(0.0)))
     known = known[:, most]
+    if not known.max() > known.min():
+        return None
     edges = np.linspace(known.min(), known.max(), CLASSES + 1)
     place = np.searchsorted(edges, values[:, most], "right") - 1
     place = np.clip(place, 0, CLASSES - 1)
