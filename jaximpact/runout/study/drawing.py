@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -27,7 +28,7 @@ from ...plotting.style import (
     plain,
 )
 from ...reports.tables import at_x, place_text
-from ..terrain import Profile, ground_columns, ground_values
+from ..terrain import Profile, ground_columns, ground_values, stretches
 from ..trajectory import Runs
 from ..trajectory_drawing import add_trajectories, bottom_of, height_of
 from .results import edges_of, stops_of, valid_blocks
@@ -207,11 +208,19 @@ def _finish_envelopes(
 def _draw_ground(axes: Axes, profile: Profile, drawn: "DrawnGrounds") -> list[Patch]:
     """Draw the profile, segments of different ground in different colours, and give the
     entries of a legend."""
-    for segment, ground in enumerate(drawn.number):
-        ends, colour = slice(segment, segment + 2), drawn.colours[ground]
-        x, y, bottom = profile.x[ends], profile.y[ends], bottom_of(profile)
+    surface, bottom = np.stack([profile.x, profile.y], axis=1), bottom_of(profile)
+    for ground, colour in enumerate(drawn.colours):
+        areas = [
+            [
+                (profile.x[start], bottom),
+                *surface[start : stop + 1],
+                (profile.x[stop], bottom),
+            ]
+            for start, stop in stretches(np.equal(drawn.number, ground))
+        ]
         # An edge, or pale gaps show between the cells of a ground that varies.
-        axes.fill_between(x, y, bottom, facecolor=colour, ec=colour, lw=0.3)
+        filled = PolyCollection(areas, facecolor=colour, ec=colour, lw=0.3)
+        axes.add_collection(filled)
     axes.plot(profile.x, profile.y, color="black", lw=1.0)
     entries = [
         Patch(color=colour, label=f"ground: {words}")
