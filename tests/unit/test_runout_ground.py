@@ -186,11 +186,11 @@ def test_ground_samples_change_no_other_number(slope, changed):
     np.testing.assert_array_equal(plain.release.x, varied.release.x)
     np.testing.assert_array_equal(plain.release.block.mass, varied.release.block.mass)
     drawn, ground = varied.inputs.ground_samples, varied.ground
-    assert set(drawn) == {"c_v", "roughness_deg", "segment_2_k_E"}
+    assert set(drawn) == {"c_v", "roughness_deg", "segment.2.k_E"}
     assert len(set(drawn["c_v"])) == 40
     np.testing.assert_array_equal(ground.soil.c_v, drawn["c_v"][:, None])
-    np.testing.assert_array_equal(drawn["segment_2_k_E"][:4], [600, 700, 800, 600])
-    np.testing.assert_array_equal(ground.soil.k_E[:, 1], drawn["segment_2_k_E"])
+    np.testing.assert_array_equal(drawn["segment.2.k_E"][:4], [600, 700, 800, 600])
+    np.testing.assert_array_equal(ground.soil.k_E[:, 1], drawn["segment.2.k_E"])
     np.testing.assert_array_equal(ground.soil.k_E[:, [0, 2]], 900.0)
     rolling = np.degrees(ground.rolling_friction_angle)
     np.testing.assert_allclose(rolling, [20.0, 9.0, 20.0])

@@ -84,7 +84,7 @@ class StudyInputs(NamedTuple):
     JSON."""
     ground_samples: dict[str, np.ndarray]
     """Quantities of the ground that differ from block to block, `(blocks,)`, in the
-    units of the names: those of a segment as `segment_2_c_v`."""
+    units of the names, by their keys under [ground]: of a segment `segment.2.c_v`."""
     random_ground: dict[str, np.ndarray]
     """Quantities of the ground that differ from block to block, by name: whether they
     do on each segment, `(segments,)`."""
@@ -256,16 +256,14 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         export_trajectories=exported,
     )
     varied = *jointly, *ground.varied()
+    _check_variables(top, varied)
     inputs = StudyInputs(
         path=path,
         checksums={path: hashlib.sha256(data).hexdigest()} | slope.checksums,
         title=typed(top, content, "title", str, path.stem),
         seed=slope.seed,
         ground_table=_default_angles(profile) | content.get("ground", {}),
-        ground_samples={
-            key.removeprefix("ground.").replace(".", "_"): samples[key]
-            for key in varied
-        },
+        ground_samples={key.removeprefix("ground."): samples[key] for key in varied},
         random_ground=_random_ground(slope.layout, (*varied, *fields)),
         materials=slope.layout.materials,
         placement=read_map_placement(top, content, profile),
@@ -293,6 +291,24 @@ def _count(top: Key, content: dict, slope: SlopeInput, by_chance: bool) -> int:
     by_chance |= is_random(quantities)
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     return whole(top, content, "count", count, 1)
+
+
+def variable_of_ground(key: str) -> str:
+    """Name the variable of a dataset for a quantity of the ground by its key."""
+    return key.replace(".", "_")
+
+
+def _check_variables(top: Key, keys: Iterable[str]) -> None:
+    """Raise InputError for two quantities of the ground that one variable would have to
+    hold, as names of materials may have underscores."""
+    known: dict[str, str] = {}
+    for key in keys:
+        other = known.setdefault(variable_of_ground(key), key)
+        if other != key:
+            raise top[key].error(
+                f"and {other} would both be {variable_of_ground(key)} in the results; "
+                "rename one of the materials"
+            )
 
 
 def _random_ground(layout: GroundLayout, keys: Iterable[str]) -> dict[str, np.ndarray]:
