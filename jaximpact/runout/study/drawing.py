@@ -17,6 +17,7 @@ from ...plotting.style import (
     BLUE,
     COLOURS,
     GREY,
+    MOST_CURVES,
     ORANGE,
     SOIL,
     VERMILION,
@@ -125,16 +126,20 @@ def draw_stops(dataset: xr.Dataset) -> Figure:
 def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
     """Draw the exceedance at each collector: the fraction of all blocks that did not
     fail whose first passage exceeds a value. A curve starts at the fraction that
-    passes. Of several laws, each collector has a row."""
+    passes. Of several laws, each collector has a row. Of more collectors than curves
+    can be told apart, so many are drawn, from the first to the last."""
     first, several = next(iter(datasets.values())), len(datasets) > 1
-    collectors = [at_x(x) for x in first.collector.values]
+    count = first.sizes["collector"]
+    places = np.linspace(0, count - 1, min(count, MOST_CURVES)).round().astype(int)
+    collectors = [at_x(x) for x in first.collector.values[places]]
     if several:
         rows = [
             [(law, dataset, place) for law, dataset in datasets.items()]
-            for place in range(len(collectors))
+            for place in places
         ]
     else:
-        rows = [[(words, first, place) for place, words in enumerate(collectors)]]
+        named = zip(collectors, places, strict=True)
+        rows = [[(words, first, place) for words, place in named]]
     figure, axes = panels(
         *(len(rows), len(CURVES)),
         height=2.4 if several else 3.2,
@@ -154,7 +159,9 @@ def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
     for panel in axes:
         panel.set_xlim(left=0.0)
         panel.set_ylim(0.0, 1.02)
-    legend_outside(figure, axes[0].lines, ncols=3)
+    some = f"{len(places)} of {count} collectors; the tables have all"
+    title = some if len(places) < count else None
+    legend_outside(figure, axes[0].lines, ncols=3, title=title)
     return figure
 
 

@@ -333,11 +333,11 @@ def _default_angles(profile: Profile) -> dict[str, float]:
 def _collectors(top: Key, content: dict, profile: Profile) -> np.ndarray:
     key = top["collectors_m"]
     places = [number(key, x) for x in typed(top, content, "collectors_m", list, [])]
-    # Each is a curve, and rows of every table.
+    # Each is rows of every table.
     if len(places) > 100:
         raise key.error(
-            f"holds {len(places)} places, but at most 100 are drawn and told; bins "
-            "gives energies, speeds and heights all along the slope"
+            f"holds {len(places)} places, but at most 100 are told; bins gives "
+            "energies, speeds and heights all along the slope"
         )
     for x in places:
         check_inside(profile, x, "holds", **key.place)
