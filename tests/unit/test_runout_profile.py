@@ -109,6 +109,7 @@ def test_empty_columns_of_a_file_are_passed_over(tmp_path):
         ("x_m,y_m\n0,9\n9,1e20\n", "row 3, column y_m: must be within 1e[+]08 m"),
         ("x_m,y_m\n0,9\n-9999,5\n9,0\n", "row 3, column x_m: is -9999 among 0 to 9"),
         ("x_m,y_m\n1,0\n0,0\n", "x goes from 1 to 0"),
+        ("x_m,y_m\n1,0\n", "at least two points, but got 1"),
         (
             "x_m,y_m,k_E\n0,0,-1\n1,0,1\n",
             "row 2, column k_E: must be above 0, but is -1",
@@ -142,6 +143,28 @@ def test_ground_in_another_unit_is_warned_of_where_a_study_reads_it(folder):
     # `simulate_runout` warns of what is read in Python.
     with warned_once(UnusualValueWarning, None):
         read_profile(csv)
+
+
+@pytest.mark.parametrize(
+    ("heights", "said"),
+    [
+        (("1.120", "998", "950"), "row 2, column y_m: is 1.12 m; .* write 1120$"),
+        (("998", "1.009", "940.5"), None),  # digits that are no thousands
+        (("30.125", "12", "0"), None),
+        (("1.125", "0.998", "0"), None),
+        (("1120.000", "998", "950"), None),
+        (("1.120", "1.098", "1.050"), None),  # a small slope, as far as anyone knows
+        (("998", "950", "900"), None),
+    ],
+)
+def test_heights_with_points_that_separate_thousands_are_warned_of(
+    tmp_path, heights, said
+):
+    rows = [f"{100 * i},{y}" for i, y in enumerate(heights)]
+    path = tmp_path / "p.csv"
+    path.write_text("\n".join(["x_m,y_m", *rows]))
+    with warned_once(UnusualValueWarning, said):
+        read_profile(path)
 
 
 def test_the_measured_profile_of_the_repository_is_a_study():
