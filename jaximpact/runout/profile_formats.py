@@ -158,7 +158,9 @@ def _warn_of_thousands(path: Path, cells: list[str], lines: list[int]) -> None:
         warn_unusual(
             f"is {y[i]:g} m; if the point separates thousands, write {without[i]:.0f}",
             "y_m",
-            **{"file": path, "row": lines[i], "column": "y_m"},
+            file=path,
+            row=lines[i],
+            column="y_m",
         )
 
 
