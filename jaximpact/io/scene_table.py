@@ -503,7 +503,9 @@ def _warn_of_marks(
         f"is {values[index]:g}{where}; if that is a mark for no data, leave the cell "
         "empty",
         name,
-        **{"file": path, "row": lines[index], "column": name},
+        file=path,
+        row=lines[index],
+        column=name,
     )
 
 
