@@ -393,6 +393,26 @@ def test_names_that_are_no_texts_are_refused(tmp_path, names):
         write_zarr(tmp_path / "a.zarr", lazy)
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "soil/type",
+        "soil\\type",
+        "draft.partial",
+        "_regions",
+        ".zgroup",
+        ".zattrs",
+        "..",
+    ],
+)
+def test_names_that_are_no_folders_of_a_store_are_refused(tmp_path, computed, name):
+    axes = {name: {"name": ["dense", "loose"], "c_v": [1.0, 0.5]}}
+    with pytest.raises(InputError) as refused:
+        write_zarr(tmp_path / "a.zarr", sweep(BASE, axes, chunks=1))
+    assert f"a variable or an axis named {name!r}" in str(refused.value)
+    assert [*tmp_path.iterdir()] == [] == computed
+
+
 def test_chunks_of_no_size_are_regions_too(tmp_path):
     lazy = sweep(BASE, STORED_AXES, chunks={"angle_deg": (2, 0, 2, 1)})
     assert write_zarr(tmp_path / "a.zarr", lazy).total == 4
