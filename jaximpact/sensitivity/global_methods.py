@@ -82,7 +82,7 @@ def sobol(
             its square root.
         second_order: whether to compute the indices of pairs too, for which each block
             takes nearly twice the impacts.
-        seed: of the sample and of the bootstrap.
+        seed: of the sample and of the bootstrap, below 2**31.
         accuracy, journal, progress: as for `simulate_batch`.
 
     Returns:
@@ -192,8 +192,8 @@ class _Study(NamedTuple):
         base = as_scene(base)
         check_scene(base)
         checked, columns = check_ranges(base, ranges), output_columns(outputs)
-        # SALib's own limit, less the one that is added.
-        whole_number("seed", seed, 0, 2**32 - 2)
+        # The dataset holds it, and NetCDF 3 no larger numbers; SALib's limit is higher.
+        whole_number("seed", seed, 0, 2**31 - 1)
         return cls(base, checked, columns, seed, get_accuracy(accuracy))
 
     def check_size(self, groups: int, name: str, impacts: int) -> None:

@@ -315,6 +315,17 @@ def test_effects_of_a_known_function(ishigami_model):
     assert float(effect.mean_absolute_effect) == pytest.approx(exact, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("method", "size"), [(sobol, "blocks"), (morris, "trajectories")]
+)
+def test_the_largest_seed_can_be_written(ishigami_model, tmp_path, method, size):
+    largest, file = 2**31 - 1, tmp_path / "found.nc"
+    write_netcdf(file, method(Scene(), ISHIGAMI_RANGES, seed=largest, **{size: 8}))
+    assert read_netcdf(file).attrs["seed"] == largest
+    with pytest.raises(InputError, match=f"seed must be at most {largest}, but is"):
+        method(Scene(), ISHIGAMI_RANGES, seed=largest + 1, **{size: 8})
+
+
 # --- with the model
 
 RANGES = {
