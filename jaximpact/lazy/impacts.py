@@ -164,7 +164,9 @@ def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, .
     shape = tuple(sizes.values())
     try:
         lengths = core.normalize_chunks(asked, shape, limit=BLOCK_BYTES, dtype=float)
-    except (ValueError, TypeError, NotImplementedError) as error:
+        if any(length < 0 for blocks in lengths for length in blocks):
+            raise ValueError("a length is negative")  # which Dask takes
+    except (ValueError, TypeError, NotImplementedError, ZeroDivisionError) as error:
         raise InputError(
             f"chunks must be lengths that add up to the axes "
             f"({', '.join(f'{n} {k}' for n, k in sizes.items())}), but is {chunks!r}: "

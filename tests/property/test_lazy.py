@@ -174,6 +174,10 @@ def test_a_value_of_a_block_that_is_out_of_range_is_told_as_it_is_computed():
             "chunks must name axes .*, but holds 'angel_deg'",
         ),
         ({"chunks": {"angle_deg": (1, 1)}}, "lengths that add up to the axes"),
+        ({"chunks": 0}, r"lengths that add up to the axes .*, but is 0: .* zero"),
+        ({"chunks": {"angle_deg": 0}}, r"but is \{'angle_deg': 0\}: .* zero"),
+        ({"chunks": {"angle_deg": -3}}, "but is .* -3}: a length is negative"),
+        ({"chunks": {"angle_deg": (-1, 6)}}, "but is .*: a length is negative"),
         ({"chunks": 1, "progress": print}, "write_zarr, which has progress"),
     ],
 )
