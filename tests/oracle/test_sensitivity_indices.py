@@ -283,6 +283,34 @@ def test_a_study_of_a_known_function(ishigami_model, tmp_path):
     assert "no group" in of_e_t.texts[0].get_text()
 
 
+def box_of(artist):
+    box = artist.get_window_extent()
+    return box.x0, box.x1
+
+
+def test_drawings_of_long_names_and_many_parameters_can_be_read(ishigami_model):
+    found = sobol(Scene(), ISHIGAMI_RANGES, seed=4, blocks=8)
+    names = ["max_sinking_m", "max_normal_force_N", "max_penetration_m", "e_t"]
+    drawn = found.isel(output=[0, 0, 0, 1]).assign_coords(output=names)
+    for longest in ("gamma_v", "angular_velocity_degps"):
+        dataset = drawn.assign_coords(parameter=[longest, "angle_deg", "c_v"])
+        figure = draw_sobol(dataset)
+        figure.draw_without_rendering()
+        for panel in figure.axes:
+            left, right = box_of(panel.title)
+            assert 0.0 < left < right < figure.bbox.width
+            for words in panel.texts:  # why it is empty
+                (low, high), (left, right) = box_of(panel), box_of(words)
+                assert low < left < right < high
+    # Thirty parameters, as many as an impact has.
+    many = found.isel(output=[0], parameter=[0, 1, 2] * 10)
+    heat_map = draw_heat_map(many)
+    heat_map.draw_without_rendering()
+    ends = [end for text in heat_map.axes[0].texts for end in box_of(text)]
+    assert len(ends) == 60
+    assert ends == sorted(ends)
+
+
 def test_a_study_has_pairs_where_asked_for(ishigami_model):
     found = sobol(
         Scene(), ISHIGAMI_RANGES, ("e_n", "e_t"), blocks=64, second_order=True
