@@ -18,7 +18,13 @@ from .backend.rows import in_parts
 from .batch import broadcast_scene, simulate_batch
 from .errors import InputError
 from .impact.results import SERIES
-from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene, check_times
+from .io.checks import (
+    NUMBERS_PER_IMPACT,
+    check_memory,
+    check_scene,
+    check_times,
+    check_units,
+)
 from .io.datasets import (
     OUTPUT_COLUMNS,
     attributes_of,
@@ -111,8 +117,8 @@ def sweep(
         base, accuracy, laws and versions are attributes.
 
     Raises:
-        InputError: an unknown quantity, a value out of its range, lists that do not
-            match, naming the axis.
+        InputError: an unknown quantity, a value out of its range or in another unit by
+            its attribute `units`, lists that do not match, naming the axis.
         ValueError: a base that is no single scene.
     """
     base = as_scene(base)
@@ -301,6 +307,7 @@ def _labels(place: str, values) -> np.ndarray:
 
 
 def _numbers(place: str, column: InputColumn, entries: ArrayLike) -> np.ndarray:
+    check_units(place, column, entries)
     values = np.asarray(real_numbers(place, entries), float)
     if values.ndim != 1 or values.size == 0:
         raise InputError(

@@ -118,6 +118,34 @@ def test_a_dataset_of_arrays_is_computed_at_once_and_keeps_what_it_is(at_once):
     assert result.attrs["outcomes"] == '{"detached": 20}'
 
 
+@pytest.mark.parametrize("words", ["deg", "degrees", "°", "", None])
+def test_quantities_of_a_result_say_their_units(words):
+    said = {} if words is None else {"units": words}
+    scenes = xr.Dataset(
+        {"mass_kg": ("angle_deg", [50.0, 500.0], {"source": "scale"})},
+        {"angle_deg": ("angle_deg", [0.0, 30.0], said)},
+    )
+    result = simulate_dataset(scenes)
+    assert result.angle_deg.attrs == {"units": "deg"}
+    assert result.mass_kg.attrs == {"source": "scale", "units": "kg"}
+    assert scenes.angle_deg.attrs == said  # the user's stay as they are
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("angle_deg", "rad"), ("mass_kg", "g"), ("aspect_ratio", "%"), ("k_E", "kPa")],
+)
+def test_units_that_contradict_a_name_are_refused(name, unit):
+    given = xr.Dataset({name: ("x", [1.0, 1.2], {"units": unit})})
+    message = f"{name} must have the unit .*, but its attribute units says '{unit}'"
+    for scenes in (given, given.chunk(x=1), given.set_coords(name)):
+        with pytest.raises(InputError, match=message):
+            simulate_dataset(scenes)
+    for axes in ({name: given[name]}, {"both": {name: given[name]}}):
+        with pytest.raises(InputError, match=f"^axis .*{message}"):
+            sweep(BASE, axes)
+
+
 def test_a_dataset_in_chunks_is_the_dataset_of_arrays():
     mass, angle = np.linspace(50.0, 500.0, 6), np.linspace(0.0, 60.0, 4)
     scenes = xr.Dataset(
