@@ -93,8 +93,8 @@ def sobol(
         left out whole; see `sensitivity.global_methods`. With `second_order` also
         `second_order` and its interval over `parameter` and `with`: the fraction of the
         variance that two parameters account for only together. Indices are NaN where
-        fewer than half of the blocks are left, or the output does not change; `reason`
-        says so.
+        fewer than half of the blocks, or than two, are left, or the output does not
+        change; `reason` says so.
         Outcomes (attribute `outcomes`) that are no failure count as they are: a
         separating block has an e_n of -1.
 
@@ -320,7 +320,8 @@ def _estimate(
     whole = values[complete]
     reason = ""
     if len(whole) < max(2, 0.5 * len(values)):
-        words = "less than half of the groups" if len(whole) else "no group"
+        few = ("no group", "one group alone")
+        words = few[len(whole)] if len(whole) < 2 else "less than half of the groups"
         reason = f"{words} has all its values"
     elif np.ptp(whole) <= 1e-12 * np.abs(whole).max():
         reason = "the output does not change"

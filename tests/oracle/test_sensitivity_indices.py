@@ -135,6 +135,7 @@ def test_what_cannot_be_estimated_is_not(ishigami_blocks):
     for blocks, words, dropped in (
         (few, "less than half of the groups", 40),
         (none, "no group", 64),
+        (few[39:41], "one group alone has", 1),
         (constant, "does not change", 0),
     ):
         found = sobol_of(blocks, seed=0)
