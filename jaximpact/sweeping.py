@@ -463,6 +463,11 @@ def _values(key: Key, name: str, value):
             raise key.error(f"needs {name}")
     ends = [number(key[end], value[end]) for end in ("from", "to")]
     count = whole(key, value, "count", 1, 1)
+    if count == 1 and ends[0] != ends[1]:
+        raise key["count"].error(
+            f"must be at least 2 for a range that holds both ends, {ends[0]:g} and "
+            f"{ends[1]:g}, but is 1"
+        )
     check_memory(count, f"{count} values", **key["count"].place)
     spacing = choice(key, value, "spacing", "linear", tuple(SPACINGS))
     if spacing == "logarithmic" and min(ends) <= 0.0:
