@@ -199,6 +199,8 @@ def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis
     grid, seen = [], {}
     for name, values in axes.items():
         expect("the name of an axis", name, str)
+        if not name:
+            raise InputError("the name of an axis must have a letter, but is ''")
         axis = _checked_axis(name, values, columns)
         for quantity in axis.values:
             if quantity in seen:

@@ -132,6 +132,7 @@ def test_a_journal_is_taken_up(dataset, tmp_path):
         ({"g": {"gamma": [1.0]}}, "axis g: gamma is unknown; did you mean gamma_v"),
         ({"g": {"name": ["a"]}}, "varies no quantity"),
         ({3: {"c_v": [1.0]}}, r"name of an axis must be of type str, but is 3 \(int"),
+        ({"": {"c_v": [1.0]}}, "name of an axis must have a letter, but is ''"),
         ({"e_n": {"c_v": [1.0]}}, "e_n is a quantity"),
         ({"c_v": [1.0], "g": {"c_v": [1.0]}}, "c_v already varies along c_v"),
     ],
