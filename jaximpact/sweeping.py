@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
 
@@ -64,7 +65,9 @@ from .simulation import simulate
 LABELS = "name"
 """Key, in a group of quantities, of the labels along its dimension."""
 
-Axes = Mapping[str, ArrayLike | Mapping[str, ArrayLike]]
+Group = Mapping | pd.DataFrame
+"""Quantities that vary together: lists, or columns, by their names."""
+Axes = Mapping[str, ArrayLike | Group]
 
 
 class _Axis(NamedTuple):
@@ -99,8 +102,9 @@ def sweep(
             takes a list of that quantity, in the unit of its name; columns are those of
             the base's own laws and shapes. `"shape"` takes names of shapes, as `Block`
             does; a parameter that a shape does not have changes nothing for it. Any
-            other name stands for quantities that vary together: a mapping from input
-            columns to lists of one length, and optionally from `"name"` to labels.
+            other name stands for quantities that vary together: a mapping (or a data
+            frame) from input columns to lists of one length, and optionally from
+            `"name"` to labels.
         accuracy, journal, progress, executor: as for `simulate_batch`.
         save_at: times since touch [s] at which forces and motion are wanted, one list
             for all points: variables over `time`, as `simulate` gives them.
@@ -228,7 +232,7 @@ def columns_of_axes(axes: Axes, base: Scene) -> dict[str, InputColumn]:
 
 
 def _quantities_of(name: str, values) -> Mapping[str, ArrayLike]:
-    return values if isinstance(values, Mapping) else {name: values}
+    return dict(values) if isinstance(values, Group) else {name: values}
 
 
 def _place(axis: str, quantity: str) -> str:
@@ -238,10 +242,10 @@ def _place(axis: str, quantity: str) -> str:
 
 def _checked_axis(
     name: str,
-    of_axis: ArrayLike | Mapping[str, ArrayLike],
+    of_axis: ArrayLike | Group,
     columns: Mapping[str, InputColumn],
 ) -> _Axis:
-    grouped = isinstance(of_axis, Mapping)
+    grouped = isinstance(of_axis, Group)
     if grouped and name in {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN, SHAPE}:
         raise InputError(
             f"axis {name} varies several quantities together and needs a name of its "
@@ -284,6 +288,8 @@ def why_unknown_axis(
 
 def _entries(values) -> list:
     several = isinstance(values, Iterable) and not isinstance(values, str)
+    # An array of xarray's would give arrays.
+    values = np.asarray(values) if hasattr(values, "__array__") else values
     return list(values) if several else []
 
 

@@ -5,6 +5,7 @@ import itertools
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -116,6 +117,14 @@ def test_a_journal_is_taken_up(dataset, tmp_path):
     sweep(BASE, AXES, journal=journal)
     sweep(BASE, AXES, journal=journal, progress=lambda *done: seen.append(done))
     assert seen == [(12, 12)]  # all taken over, none computed again
+
+
+@pytest.mark.parametrize(
+    "kind", [pd.DataFrame, lambda of: pd.DataFrame(of).to_xarray()]
+)
+def test_quantities_that_vary_together_may_be_a_table(dataset, kind):
+    tables = AXES | {"ground": kind(AXES["ground"])}
+    xr.testing.assert_identical(sweep(BASE, tables), dataset)
 
 
 @pytest.mark.parametrize(
