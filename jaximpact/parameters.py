@@ -11,6 +11,7 @@ import inspect
 import math
 import warnings
 import weakref
+from collections.abc import Mapping
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -264,9 +265,15 @@ class Part(Module):
     `real_numbers`), TypeError for an unknown field, with the nearest known.
     """
 
+    said_of: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """Names of what classes say about functions of theirs, and of these functions. A
+    class that overrides one of them, and says nothing, gets what is said here in place
+    of what the class says that it derives from."""
+
     def __init_subclass__(cls, **arguments):
         super().__init_subclass__(**arguments)
         _add_table(cls)
+        _take_back(cls)
         constructors = {"__init__", "__post_init__", "__check_init__", "__new__"}
         if constructors & vars(cls).keys():
             _with_own_constructor.add(cls)
@@ -290,6 +297,19 @@ class Part(Module):
 
     def _repr_html_(self) -> str:
         return html_table([type(self).__name__], _own_rows(self))
+
+
+def _take_back(kind: type[Part]) -> None:
+    """Take back what was said of functions that a class overrides."""
+    classes = kind.__mro__
+
+    def place(name: str) -> int:
+        return next((k for k, c in enumerate(classes) if name in vars(c)), len(classes))
+
+    for general in classes:
+        for name, functions in vars(general).get("said_of", {}).items():
+            if min(map(place, functions)) < place(name) < classes.index(general):
+                setattr(kind, name, vars(general)[name])
 
 
 @functools.cache

@@ -195,7 +195,7 @@ def _check_law(name: str, law: Part) -> None:
     x = jax.ShapeDtypeStruct((LANES,), float)
     jax.eval_shape(lambda x: jax.jvp(called, (x,), (x,)), x)
     if isinstance(law, AbstractFlow):
-        _check_symmetry(name, law)
+        _check_flow(name, law)
 
 
 def _check_result(name: str, call: Call, result) -> None:
@@ -226,18 +226,29 @@ def _check_result(name: str, call: Call, result) -> None:
             )
 
 
-def _check_symmetry(name: str, law: AbstractFlow) -> None:
-    """Raise InputError where a central load makes the ground flow aside."""
+def _check_flow(name: str, law: AbstractFlow) -> None:
+    """Raise InputError where a central load makes the ground flow aside, or below yield
+    though the law says that nothing flows there."""
     size, one = np.array(CENTRAL_LOADS), np.ones(len(CENTRAL_LOADS))
     load = Load(size, one, 0.0 * one, 0.0 * one, one, one)
     foundation = Foundation(one, one, 0.1 * one, one, 0.0 * one, 0.0 * one)
+    yields_at = 0.01
     # One program of XLA, where each operation by itself would be compiled alone.
-    flow = jax.jit(lambda *arguments: law(*arguments))(load, 0.01 * one, foundation)
+    flow = jax.jit(lambda *arguments: law(*arguments))(
+        load, yields_at * one, foundation
+    )
     aside = np.abs(flow.tangential) + np.abs(flow.rotational)
     if np.any(aside > 0.0):
         raise InputError(
             f"{name}: gives a tangential or rotational rate of {np.max(aside):.3g} "
             "under a central load; it must be zero there, by symmetry"
+        )
+    early = np.where(size < yields_at, np.abs(flow.normal), 0.0)
+    if not law.flows_below_yield and np.any(early > 0.0):
+        raise InputError(
+            f"{name}: says flows_below_yield = False, but flows at "
+            f"{np.max(early):.3g} m/s below yield; without flows_below_yield = False "
+            "its impacts are computed rightly"
         )
 
 
@@ -263,11 +274,10 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
         shape = _elongated(shape, ratio)
         return shape.support(shape.semi_axes(1.0, 1.0), jnp.sin(angle), jnp.cos(angle))
 
-    def arm(shape, ratio, angle):
+    def arm(kind, shape, ratio, angle):
         shape = _elongated(shape, ratio)
-        return shape.tangency_arm(
-            shape.semi_axes(1.0, 1.0), jnp.sin(angle), jnp.cos(angle)
-        )
+        axes = shape.semi_axes(1.0, 1.0)
+        return kind.tangency_arm(shape, axes, jnp.sin(angle), jnp.cos(angle))
 
     def section(shape, ratio, angle, depth):
         shape = _elongated(shape, ratio)
@@ -295,7 +305,11 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
             )
     axes = _try(f"{name}: semi_axes", shape, semi_axes, ratios)
     heights = _try(f"{name}: support", shape, support, ratio, turn)
-    _try(f"{name}: tangency_arm", shape, arm, ratio, turn)
+    arms, slopes = (
+        _try(f"{name}: tangency_arm", shape, functools.partial(arm, kind), ratio, turn)
+        for kind in (type(shape), AbstractShape)
+    )
+    _check_arms(name, arms, slopes, ratio, turn)
     sections = _try(f"{name}: section", shape, section, ratio, turn, depth)
     _check_half_sizes(name, ratios, axes, jax.jit(functools.partial(support, shape)))
     if not np.all(heights > 0.0):
@@ -307,6 +321,21 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
         raise InputError(
             f"{name}: section must return left <= right and a width that is not "
             f"negative, but returns left {left:g}, right {right:g}, width {width:g}"
+            f"{_where(bad, ratio, turn)}"
+        )
+
+
+def _check_arms(name: str, arms, slopes, ratio, turn) -> None:
+    """Raise InputError where tangency arms are not the slopes of the support, but at
+    orientations where a face may be level."""
+    tilted = np.abs(np.sin(4.0 * turn)) > 1e-6
+    # By far more than the rounding of sizes near 1 m.
+    bad = tilted & (np.abs(arms - slopes) > 1e-6)
+    if np.any(bad):
+        first = np.argmax(bad)
+        raise InputError(
+            f"{name}: tangency_arm must be the derivative of support by the "
+            f"orientation, {slopes[first]:.6g}, but is {arms[first]:.6g}"
             f"{_where(bad, ratio, turn)}"
         )
 

@@ -190,8 +190,9 @@ def fitted_of(
             for entry, of_variant in zip(tree["variants"], laws, strict=True)
         ),
         parameters=tuple(
-            Parameter(**entry | {"prior": entry["prior"] and Prior(**entry["prior"])})
-            for entry in manifest["parameters"].values()
+            Parameter(**entry | {"name": name, "prior": prior and Prior(**prior)})
+            for name, entry in manifest["parameters"].items()
+            for prior in [entry["prior"]]
         ),
         soil=manifest["soil"],
         nuisances=manifest["nuisances"],

@@ -3,7 +3,7 @@
 import abc
 import functools
 import operator
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -211,6 +211,8 @@ class AbstractDamping(Part):
             stiffness: of the foundation at this moment.
             mass: $m$ [kg]. inertia: $I$ [kg m2].
         """
+
+    said_of: ClassVar = {"acts": ("__call__",)}
 
     def acts(self) -> tuple[Any, Any]:
         """Tell whether the normal dashpot may act, and whether any may: where none

@@ -46,6 +46,7 @@ class AbstractFlow(Part):
         flow goes along the gradient, as `displacement_rates` gives it.
         """
 
+    said_of: ClassVar = {"flows_below_yield": ("__call__", "flow_size")}
     flows_below_yield: ClassVar[bool] = True
     """Whether there may be flow below yield. Steps of the integration then end there
     too where the flow begins to heave and where hardening has kinks, and an impact
@@ -136,13 +137,7 @@ class AbstractFluidityFlow(AbstractFlow):
         return displacement_rates(rate, load, self.dilatancy, branch=branch)
 
 
-class AbstractOverstressFlow(AbstractFluidityFlow):
-    """Flow that begins at yield: of no size without `overstress`."""
-
-    flows_below_yield: ClassVar[bool] = False
-
-
-class Perzyna(AbstractOverstressFlow):
+class Perzyna(AbstractFluidityFlow):
     r"""Flow in proportion to the overstress.
 
     $$ \dot\lambda = \gamma_v \Phi, \qquad \Phi = \max(\rho^*/\rho_c - 1, 0) $$
@@ -153,11 +148,13 @@ class Perzyna(AbstractOverstressFlow):
     Source: a reading; Perzyna (1963).
     """
 
+    flows_below_yield = False
+
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         return self.gamma_v * overstress(load.size, hardening, branch=branch)
 
 
-class FluidityRate(AbstractOverstressFlow):
+class FluidityRate(AbstractFluidityFlow):
     r"""Perzyna's flow with a fluidity that is a rate [1/s], not a velocity.
 
     $$ \dot\lambda = \gamma_v B_t \Phi $$
@@ -168,6 +165,7 @@ class FluidityRate(AbstractOverstressFlow):
     and 2.
     """
 
+    flows_below_yield = False
     gamma_v: Scalar = parameter(8.7, "1/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
 
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
@@ -212,7 +210,7 @@ class PowerNucleusRate(AbstractFluidityFlow):
         return self.gamma_v * foundation.length * nucleus
 
 
-class AbsoluteOverstress(AbstractOverstressFlow):
+class AbsoluteOverstress(AbstractFluidityFlow):
     r"""Perzyna's flow with an overstress that is not relative; to compare with.
 
     The nucleus is $\max(\rho^* - \rho_c, 0)$, not divided by $\rho_c$.
@@ -221,17 +219,21 @@ class AbsoluteOverstress(AbstractOverstressFlow):
     (default: 17, 13, 3).
     """
 
+    flows_below_yield = False
+
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = hardening * overstress(load.size, hardening, branch=branch)
         return self.gamma_v * nucleus
 
 
-class SquaredOverstress(AbstractOverstressFlow):
+class SquaredOverstress(AbstractFluidityFlow):
     r"""Perzyna's flow with the overstress squared; a reading to compare with.
 
     The nucleus is $\max(\rho^*/\rho_c - 1, 0)^2$. All verdicts on the paper's claims
     C01 to C33 are the default's.
     """
+
+    flows_below_yield = False
 
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = overstress(load.size, hardening, branch=branch) ** 2

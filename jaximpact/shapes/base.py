@@ -81,6 +81,17 @@ class AbstractShape(Part):
         aspect_ratio: Scalar = ...
         out_of_plane_ratio: Scalar = ...
 
+    said_of: ClassVar = {
+        "tangency_arm": ("support",),
+        "support_change": ("support",),
+        "is_upright": ("support", "section", "cut"),
+        "is_round": ("support", "section", "cut"),
+        "bound": ("support",),
+        "largest_bending": ("support",),
+        "parting_direction": ("support",),
+        "round_block": ("support",),
+        "outline": ("support",),
+    }
     most_slender: ClassVar[float | None] = 100.0
     """Largest ratio of the foundation's sizes in the correction J_s of the stiffness,
     which is 49 there. A block straight out of the plane of motion is beyond it down to

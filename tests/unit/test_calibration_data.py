@@ -168,7 +168,7 @@ def test_files_of_one_name_are_told_apart(tmp_path):
     assert tests.labels["campaign"] == ["2019/tests"] * 2 + ["2023/tests"]
     assert tests.described == "3 tests of 2019/tests.csv, 2023/tests.csv"
     names = ["2019/tests.csv", "2023/tests.csv"]
-    assert [name for name, _ in tests.checksums] == names
+    assert [one["file"] for one in tests.checksums] == names
     numbers = np.zeros(study.measured.shape)
     variant = SimpleNamespace(
         variant=study.variants[0], sigma=numbers, predicted=numbers
