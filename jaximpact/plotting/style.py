@@ -33,6 +33,8 @@ COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY)
 """Colours of series, in the order in which they are given out."""
 MARKERS = "os^Dv<P*X>"
 LINES = ("-", "--", ":", "-.")
+MOST_CURVES = len(COLOURS) * len(LINES)
+"""Number of series that differ in colour or line, see `curve`."""
 
 WIDTH = 8.0
 """Width of a drawing [inch]; wider ones are shrunk where they are shown."""

@@ -9,6 +9,7 @@ import jax
 import matplotlib
 import numpy as np
 import pytest
+import xarray as xr
 from calibration_studies import study_of_columns
 from matplotlib import pyplot
 from matplotlib.figure import Figure
@@ -20,9 +21,11 @@ from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline, scene_in_words
 from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
 from jaximpact.plotting.style import panels as panels_of
+from jaximpact.reports.tables import at_x
 from jaximpact.runout.back_analysis.drawing import draw_channel
 from jaximpact.runout.back_analysis.observed import ObservedValues
 from jaximpact.runout.back_analysis.predictive import ChannelPrediction
+from jaximpact.runout.study.drawing import CURVES, draw_collectors
 
 SPINNING = Impact.from_degrees(orientation=17, angular_velocity=20_000)
 """Its block separates at once: the side view is of one outline, and narrow."""
@@ -226,6 +229,31 @@ def test_failed_impact_is_drawn_as_far_as_it_came(result, rows, tmp_path):
     )
     axes = failed.plot(tmp_path / "failed.png")
     assert "FAILED" in axes[0].figure.get_suptitle()
+
+
+@pytest.mark.parametrize(
+    ("collectors", "title"),
+    [(24, ""), (100, "24 of 100 collectors; the tables have all")],
+)
+def test_no_two_collectors_look_the_same(collectors, title):
+    shape = ("block", "collector")
+    values = np.linspace(1.0, 9.0, 3 * collectors).reshape(3, collectors)
+    columns = dict.fromkeys([name for name, _, _ in CURVES], (shape, values))
+    x = 10.0 + np.arange(collectors)
+    dataset = xr.Dataset(
+        columns | {"ending": ("block", ["stopped"] * 3)}, {"collector": x}
+    ).assign_attrs(title="many")
+    figure = draw_collectors({"law": dataset})
+    lines = figure.axes[0].lines
+    looks = {(line.get_color(), line.get_linestyle()) for line in lines}
+    assert len(looks) == len(lines) == 24
+    labels = [line.get_label() for line in lines]
+    assert [labels[0], labels[-1]] == [at_x(x[0]), at_x(x[-1])]
+    (legend,) = figure.legends
+    assert legend.get_title().get_text() == title
+    rows = draw_collectors({"one": dataset, "other": dataset}).axes
+    assert len(rows) == 24 * len(CURVES)
+    assert rows[-len(CURVES)].get_ylabel().startswith(f"{at_x(x[-1])}:")
 
 
 def test_many_scenes_are_refused(result):
