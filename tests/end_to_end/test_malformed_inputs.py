@@ -149,6 +149,7 @@ STUDIES = [
     ("sweep", "[axes]\nk_E = {from=1, to=2}", "key axes.k_E: needs count"),
     ("sweep", "[axes]\nk_E = {from=1, to=2, cont=2}", "did you mean count"),
     ("sweep", "[axes]\nk_E = {from=1, to=2, count=0}", "must be at least 1"),
+    ("sweep", "[axes]\nk_E={from=1, to=2, count=1}", "k_E.count: must be at least 2"),
     (
         "sweep",
         "[axes]\nk_E={from=0,to=2,count=2,spacing='logarithmic'}",
