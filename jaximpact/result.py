@@ -37,7 +37,7 @@ class ImpactResult(ImpactSummary):
     `result.shape`, and the result is indexed as such an array: `result[3]`,
     `result[2:5]`, `result[result.e_n > 0.1]`, `result[i, j]`. A selection is again a
     result, with the scenes that belong to it, in arrays of NumPy or of JAX as before.
-    A failed impact has NaN in every number.
+    A failed impact has NaN in every number but `steps`, the steps that it took.
 
     Symbols: n is into the ground, t down-slope, rotation clockwise; u_n is the
     penetration of the block's centre, u_D that of its lowest point, v_n and v_t are

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
 
@@ -18,7 +19,13 @@ from .backend.rows import in_parts
 from .batch import broadcast_scene, simulate_batch
 from .errors import InputError
 from .impact.results import SERIES
-from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene, check_times
+from .io.checks import (
+    NUMBERS_PER_IMPACT,
+    check_memory,
+    check_scene,
+    check_times,
+    check_units,
+)
 from .io.datasets import (
     OUTPUT_COLUMNS,
     attributes_of,
@@ -58,7 +65,9 @@ from .simulation import simulate
 LABELS = "name"
 """Key, in a group of quantities, of the labels along its dimension."""
 
-Axes = Mapping[str, ArrayLike | Mapping[str, ArrayLike]]
+Group = Mapping | pd.DataFrame
+"""Quantities that vary together: lists, or columns, by their names."""
+Axes = Mapping[str, ArrayLike | Group]
 
 
 class _Axis(NamedTuple):
@@ -93,8 +102,9 @@ def sweep(
             takes a list of that quantity, in the unit of its name; columns are those of
             the base's own laws and shapes. `"shape"` takes names of shapes, as `Block`
             does; a parameter that a shape does not have changes nothing for it. Any
-            other name stands for quantities that vary together: a mapping from input
-            columns to lists of one length, and optionally from `"name"` to labels.
+            other name stands for quantities that vary together: a mapping (or a data
+            frame) from input columns to lists of one length, and optionally from
+            `"name"` to labels.
         accuracy, journal, progress, executor: as for `simulate_batch`.
         save_at: times since touch [s] at which forces and motion are wanted, one list
             for all points: variables over `time`, as `simulate` gives them.
@@ -111,8 +121,8 @@ def sweep(
         base, accuracy, laws and versions are attributes.
 
     Raises:
-        InputError: an unknown quantity, a value out of its range, lists that do not
-            match, naming the axis.
+        InputError: an unknown quantity, a value out of its range or in another unit by
+            its attribute `units`, lists that do not match, naming the axis.
         ValueError: a base that is no single scene.
     """
     base = as_scene(base)
@@ -193,6 +203,8 @@ def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis
     grid, seen = [], {}
     for name, values in axes.items():
         expect("the name of an axis", name, str)
+        if not name:
+            raise InputError("the name of an axis must have a letter, but is ''")
         axis = _checked_axis(name, values, columns)
         for quantity in axis.values:
             if quantity in seen:
@@ -220,7 +232,7 @@ def columns_of_axes(axes: Axes, base: Scene) -> dict[str, InputColumn]:
 
 
 def _quantities_of(name: str, values) -> Mapping[str, ArrayLike]:
-    return values if isinstance(values, Mapping) else {name: values}
+    return dict(values) if isinstance(values, Group) else {name: values}
 
 
 def _place(axis: str, quantity: str) -> str:
@@ -230,10 +242,10 @@ def _place(axis: str, quantity: str) -> str:
 
 def _checked_axis(
     name: str,
-    of_axis: ArrayLike | Mapping[str, ArrayLike],
+    of_axis: ArrayLike | Group,
     columns: Mapping[str, InputColumn],
 ) -> _Axis:
-    grouped = isinstance(of_axis, Mapping)
+    grouped = isinstance(of_axis, Group)
     if grouped and name in {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN, SHAPE}:
         raise InputError(
             f"axis {name} varies several quantities together and needs a name of its "
@@ -276,6 +288,8 @@ def why_unknown_axis(
 
 def _entries(values) -> list:
     several = isinstance(values, Iterable) and not isinstance(values, str)
+    # An array of xarray's would give arrays.
+    values = np.asarray(values) if hasattr(values, "__array__") else values
     return list(values) if several else []
 
 
@@ -301,6 +315,7 @@ def _labels(place: str, values) -> np.ndarray:
 
 
 def _numbers(place: str, column: InputColumn, entries: ArrayLike) -> np.ndarray:
+    check_units(place, column, entries)
     values = np.asarray(real_numbers(place, entries), float)
     if values.ndim != 1 or values.size == 0:
         raise InputError(
@@ -456,6 +471,11 @@ def _values(key: Key, name: str, value):
             raise key.error(f"needs {name}")
     ends = [number(key[end], value[end]) for end in ("from", "to")]
     count = whole(key, value, "count", 1, 1)
+    if count == 1 and ends[0] != ends[1]:
+        raise key["count"].error(
+            f"must be at least 2 for a range that holds both ends, {ends[0]:g} and "
+            f"{ends[1]:g}, but is 1"
+        )
     check_memory(count, f"{count} values", **key["count"].place)
     spacing = choice(key, value, "spacing", "linear", tuple(SPACINGS))
     if spacing == "logarithmic" and min(ends) <= 0.0:

@@ -29,7 +29,7 @@ UNITS = {
     "kPa": {"kPa": 1.0, "Pa": 1e-3, "MPa": 1e3},
     "kg/m3": {"kg/m3": 1.0, "g/cm3": 1e3, "g/m3": 1e-3},
     "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mm/s": 1e-3},
-    "kg": {"kg": 1.0, "g": 1e-3},
+    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "-": {"-": 1.0, "%": 1e-2},
 }
 """Unit of a column -> units that are mistaken for it, with their sizes in it."""

@@ -158,8 +158,9 @@ class Calibration:
     def to_xarray(self, variant: str | None = None) -> "xr.Dataset":
         """Make a dataset of a variant: values, standard errors, 95 % intervals, whether
         each is identifiable or the reason, covariance and correlation over `parameter`;
-        `draws` and their `weight` over `draw`; measurements, fits, sigmas and residuals
-        over `test` and `target`. Nuisances have no interval, and count as identifiable.
+        `draws` and their `weight` over `draw`; measurements, `limit` (`>` or `<` where
+        only a limit is known), fits, sigmas and residuals over `test` and `target`.
+        Nuisances have no interval, and count as identifiable.
         """
         from .report.frames import dataset_of
 

@@ -8,11 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..accuracy import Accuracy
-from ..errors import InputError
+from .._checks import real_number, whole_number
+from ..accuracy import PRESETS, Accuracy
+from ..errors import InputError, check_choice, located
+from ..io.checks import checked_names
 from ..io.files import read_text
 from ..parameters import Part
-from ..quantities import InputColumn
+from ..quantities import TARGET_COLUMNS, InputColumn
 from .comparison.fitted_law import SIMPLE_LAWS, FittedLaw, law_of_json
 from .diagnostics.discrepancy import Discrepancy, discrepancy_of_json
 from .diagnostics.posterior import FEWEST
@@ -162,7 +164,8 @@ def read_fitted(path: Path) -> FittedGround:
             parts_of_entries(entry["parts"], path)
             for entry in (tree["manifest"], *tree["variants"])
         )
-        return fitted_of(tree, parts, laws)
+        with located(file=path):
+            return fitted_of(tree, parts, laws)
     except InputError:
         raise
     except DAMAGED as error:
@@ -182,7 +185,10 @@ def fitted_of(
 ) -> FittedGround:
     """Make the fitted ground from the numbers of fit.json, laws and shape of the study,
     and the laws in which each variant differs."""
-    manifest = tree["manifest"]
+    manifest, fitted = tree["manifest"], tree["manifest"]["parameters"]
+    check_choice("accuracy", manifest["accuracy"]["name"], PRESETS)
+    if not tree["variants"]:
+        raise ValueError("no variants")
     return FittedGround(
         title=tree["title"],
         variants=tuple(
@@ -190,20 +196,26 @@ def fitted_of(
             for entry, of_variant in zip(tree["variants"], laws, strict=True)
         ),
         parameters=tuple(
-            Parameter(**entry | {"name": name, "prior": prior and Prior(**prior)})
-            for name, entry in manifest["parameters"].items()
-            for prior in [entry["prior"]]
+            Parameter(
+                name,
+                *(_number(fitted, name, key) for key in ("start", "lower", "upper")),
+                prior=entry["prior"] and Prior(**entry["prior"]),
+            )
+            for name, entry in fitted.items()
         ),
-        soil=manifest["soil"],
+        soil={n: real_number(n, v) for n, v in manifest["soil"].items()},
         nuisances=manifest["nuisances"],
-        targets=tuple(manifest["targets"]),
+        targets=checked_names("target", manifest["targets"], TARGET_COLUMNS),
         accuracy=manifest["accuracy"]["name"],
-        seed=manifest["seed"],
-        ranges={n: tuple(v) for n, v in tree["fitted_tests"]["ranges"].items()},
+        seed=whole_number("seed", manifest["seed"], 0),
+        ranges={
+            name: (real_number(name, low), real_number(name, high))
+            for name, (low, high) in tree["fitted_tests"]["ranges"].items()
+        },
         results=tree["fitted_tests"]["results"],
         versions=manifest["versions"],
         parts=parts,
-        block=manifest["block"],
+        block={n: real_number(n, v) for n, v in manifest["block"].items()},
         shapes=tuple(tree["fitted_tests"]["shapes"]),
         tied=tuple(
             Tied(name, entry["expression"], entry["constants"])
@@ -219,16 +231,21 @@ def fitted_of(
 
 
 def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
-    draws = entry["draws"]
+    draws, fit = entry["draws"], entry["fit"]
     best = entry["parameters"] | entry["nuisances"]
-    if np.shape(draws["values"])[1:] != (len(entry["unknowns"]),):
-        raise ValueError("draws are not of the unknowns")
+    values, weights = (np.array(draws[key], float) for key in ("values", "weights"))
+    if values.shape != (len(weights), len(entry["unknowns"])):
+        raise ValueError("draws are not of the unknowns, each with a weight")
+    if not np.all(np.isfinite(values)):
+        raise ValueError("draws are not finite")
+    if not (np.all(weights >= 0.0) and 0.0 < np.sum(weights) < np.inf):
+        raise ValueError("weights of draws are not numbers above 0")
     return FittedVariant(
         variant=Variant(entry["name"], entry["soil"], laws),
         unknowns=tuple(entry["unknowns"]),
-        best=np.array([best[name]["value"] for name in entry["unknowns"]]),
-        draws=np.array(draws["values"]),
-        weights=np.array(draws["weights"]) / np.sum(draws["weights"]),
+        best=np.array([_number(best, name, "value") for name in entry["unknowns"]]),
+        draws=values,
+        weights=weights / np.sum(weights),
         undetermined={
             name: one["reason"] or "no reason is given"
             for name, one in entry["parameters"].items()
@@ -238,23 +255,30 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
             name: (one["low_95"], one["high_95"])
             for name, one in entry["profiles"].items()
         },
-        sigma={name: one["sigma"] for name, one in entry["fit"].items()},
+        sigma={name: _number(fit, name, "sigma") for name in fit},
         proportional={
-            name: ProportionalScatter(one["part_of_size"], one["least_size"])
-            for name, one in entry["fit"].items()
+            name: ProportionalScatter(
+                _number(fit, name, "part_of_size"), _number(fit, name, "least_size")
+            )
+            for name, one in fit.items()
             if "part_of_size" in one
         },
         estimated={
             name: not is_given for name, is_given in tree["sigma_given"].items()
         },
-        inflation=entry["uncertainty"]["inflation"],
-        freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
+        inflation=_number(entry, "uncertainty", "inflation"),
+        freedom={name: _number(fit, name, "degrees_of_freedom") for name in fit},
         accuracy=Accuracy(**draws["accuracy"]),
         factors={
-            name: one["times_given_sigma"]
-            for name, one in entry["fit"].items()
+            name: _number(fit, name, "times_given_sigma")
+            for name, one in fit.items()
             if "times_given_sigma" in one
         },
         # Older files have none.
         discrepancy=discrepancy_of_json(entry.get("discrepancy")),
     )
+
+
+def _number(entries: Mapping[str, Mapping], name: str, what: str) -> float:
+    """Return a finite number of the entry of a name. Raises InputError for others."""
+    return real_number(f"{what} of {name}", entries[name][what])

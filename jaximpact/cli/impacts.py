@@ -239,7 +239,9 @@ def run_batch(arguments: argparse.Namespace) -> None:
                 executor=executor,
             )
         write_results(out, table, result, result.accuracy)
-    if arguments.timing:
+    if arguments.timing and not timing["impacts"]:
+        say(f"no impact was computed: {journal} held all results")
+    elif arguments.timing:
         rate = timing["impacts"] / timing["run_s"]
         say(
             f"{timing['compile_s']:.2f} s compiling, {timing['run_s']:.2f} s running, "

@@ -5,7 +5,7 @@ import functools
 import math
 import os
 import warnings
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 import jax
@@ -27,6 +27,7 @@ from ..quantities import (
     why_unknown,
 )
 from ..scene import KINDS, Scene, Soil
+from ..units import UNITS
 
 
 def _memory() -> float:
@@ -176,6 +177,20 @@ def check_times(
         index = int(np.argmax(np.isnan(times)))
         raise InputError(f"save_at must be times in seconds, but time {index} is NaN")
     return times, shape
+
+
+def check_units(name: str, column: InputColumn, values: Any) -> None:
+    """Raise InputError where values say, in an attribute `units` as those of xarray
+    have, that they are in another unit than their column's. Words that are unknown, of
+    which many mean the same, say nothing."""
+    attributes = getattr(values, "attrs", None)
+    said = attributes.get("units") if isinstance(attributes, Mapping) else None
+    known = {unit for alike in UNITS.values() for unit in alike}
+    if isinstance(said, str) and said in known - {column.unit}:
+        raise InputError(
+            f"{name} must have the unit {column.unit!r}, but its attribute units says "
+            f"{said!r}; convert the numbers, or correct the attribute"
+        )
 
 
 def check_field(

@@ -53,6 +53,12 @@ SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
 NOT_MEASURED = ("", "nan", "na", "n/a")
 """Cells of results that were not measured, in small letters."""
+SHORT_MARKS = {
+    -99.0: ("-", "m", "s"),
+    -999.0: ("-", "m", "s", "m/s", "rad", "deg"),
+}
+"""Marks for no data that may be a result too, each with the units of results that
+cannot be so large. Those of `NO_DATA` are no result, and are refused."""
 SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
 THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+(\.[0-9]*)?")
 """A number with commas between its thousands."""
@@ -157,6 +163,8 @@ def table_of(
     for name, values in table.numbers.items():
         if name in columns:
             warn_of_unusual(path, columns[name], values, table.lines)
+        elif name in TARGET_COLUMNS:
+            _warn_of_marks(path, name, values, table.lines)
     return table
 
 
@@ -475,8 +483,33 @@ def warn_of_unusual(
     bad = column.is_unusual(values)
     if not np.any(bad):
         return
-    index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
-    where = f" and {more} more rows" if more else ""
+    index, where = _first_of(bad)
     description = column.describe(values[index], column.unit, where)
     place = {"file": path, "row": lines[index], "column": column.name}
     warn_unusual(f"is {description}", column.name, **place)
+
+
+def _warn_of_marks(
+    path: Path, name: str, values: np.ndarray, lines: np.ndarray
+) -> None:
+    """Warn of the first measurement of a result that may be a mark for no data."""
+    unit = TARGET_COLUMNS[name].unit
+    marks = [mark for mark, units in SHORT_MARKS.items() if unit in units]
+    bad = np.isin(values, marks)
+    if not np.any(bad):
+        return
+    index, where = _first_of(bad)
+    warn_unusual(
+        f"is {values[index]:g}{where}; if that is a mark for no data, leave the cell "
+        "empty",
+        name,
+        file=path,
+        row=lines[index],
+        column=name,
+    )
+
+
+def _first_of(bad: np.ndarray) -> tuple[int, str]:
+    """Return the index of the first bad row, and how many more there are, in words."""
+    more = np.count_nonzero(bad) - 1
+    return int(np.argmax(bad)), f" and {more} more rows" if more else ""

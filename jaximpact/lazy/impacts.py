@@ -17,7 +17,7 @@ from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import compute_part, summary_of
 from ..errors import InputError
-from ..io.checks import check_memory, check_scene
+from ..io.checks import check_memory, check_scene, check_units
 from ..io.datasets import (
     OUTCOMES,
     OUTPUT_COLUMNS,
@@ -72,20 +72,22 @@ def simulate_dataset(
         accuracy: as for `simulate_batch`.
 
     Returns:
-        The dataset with a variable for each number of an impact, with units, and
-        `outcome` in words. Where a quantity is in chunks the results are too, block by
-        block: nothing is computed until it is asked for, then by whatever scheduler or
-        client of Dask there is, one thread a block. Else they are computed at once, on
-        all cores. Numbers are the same to the last bit, whatever the chunks.
+        The dataset with a variable for each number of an impact, and `outcome` in
+        words; all numbers have units. Where a quantity is in chunks the results are
+        too, block by block: nothing is computed until it is asked for, then by whatever
+        scheduler or client of Dask there is, one thread a block. Else they are computed
+        at once, on all cores. Numbers are the same to the last bit, whatever the
+        chunks.
 
         Attributes say base, accuracy, laws and versions; `outcomes`, the counts, only
         where they were computed. An impact that cannot be integrated is NaN with the
         outcome `failed`.
 
     Raises:
-        InputError: an unknown quantity, with what may have been meant; a value out of
-            its range, which of lazy arrays is known only as they are computed; a base
-            that is no single scene.
+        InputError: an unknown quantity, with what may have been meant; an attribute
+            `units` that is another unit than that of the name; a value out of its
+            range, which of lazy arrays is known only as they are computed; a base that
+            is no single scene.
     """
     require_float64()
     expect("dataset", dataset, xr.Dataset)
@@ -101,7 +103,10 @@ def simulate_dataset(
     outcomes = variables[OUTCOME_COLUMN]
     if outcomes.chunks is None:
         attributes[OUTCOMES] = json.dumps(count_words(outcomes.values))
-    return dataset.assign(variables).assign_attrs(attributes)
+    result = dataset.assign(variables).assign_attrs(attributes)
+    for name, quantity in arrays.items():
+        result[name].attrs.update(quantity.attrs)
+    return result
 
 
 def lazy_grid(
@@ -164,7 +169,9 @@ def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, .
     shape = tuple(sizes.values())
     try:
         lengths = core.normalize_chunks(asked, shape, limit=BLOCK_BYTES, dtype=float)
-    except (ValueError, TypeError, NotImplementedError) as error:
+        if any(length < 0 for blocks in lengths for length in blocks):
+            raise ValueError("a length is negative")  # which Dask takes
+    except (ValueError, TypeError, NotImplementedError, ZeroDivisionError) as error:
         raise InputError(
             f"chunks must be lengths that add up to the axes "
             f"({', '.join(f'{n} {k}' for n, k in sizes.items())}), but is {chunks!r}: "
@@ -205,7 +212,10 @@ def _quantities(
                 raise InputError(
                     f"{name} must hold numbers, but holds {variable.dtype}"
                 )
-            quantities[str(name)] = variable.to_base_variable()
+            column, quantity = columns[str(name)], variable.to_base_variable()
+            check_units(column.name, column, quantity)
+            quantity.attrs["units"] = column.unit
+            quantities[column.name] = quantity
         elif name not in (SHAPE, *LABEL_COLUMNS) and name not in dataset.coords:
             raise InputError(f"{name} is unknown; {why_unknown(str(name), columns)}")
     if not quantities:

@@ -40,6 +40,8 @@ GROUP, ARRAY = "_regions", "journal"
 JOURNAL = Path(GROUP, ARRAY, "rows")
 """File in a store: for each region that is whole how many impacts ended in which way.
 It is in the folder of an array, as Zarr warns of files elsewhere that are not its."""
+PARTIAL = ".partial"
+"""Ending of what is not written whole, which Zarr uses too."""
 ZARRS_OWN = ".zgroup"
 """File of every store of this format; no variable has its name."""
 DIGEST = "U64"
@@ -89,8 +91,8 @@ def write_zarr(
 
     Raises:
         InputError: a store of something else, or computed from other numbers, with
-            other settings, laws or versions; chunks of unequal lengths; Dask or Zarr
-            that are not installed.
+            other settings, laws or versions; chunks of unequal lengths; names that no
+            folder of a store can have; Dask or Zarr that are not installed.
         IncompleteError: workers were lost for good; the same call goes on from there.
         BlockingIOError: another process on this machine writes the store.
     """
@@ -143,6 +145,16 @@ class _Regions(NamedTuple):
 def _regions_of(dataset: xr.Dataset) -> _Regions:
     for name in (*dataset.sizes, *dataset.variables):
         expect("the name of a dimension or variable of a store", name, str)
+    for name in map(str, dataset.variables):
+        # Each is a folder of the store, in which Zarr, the journal and what is not
+        # written whole have names too.
+        taken = name.startswith(".") or name.endswith(PARTIAL) or name == GROUP
+        if taken or not name or not {"/", "\\"}.isdisjoint(name):
+            raise InputError(
+                f"a store cannot hold a variable or an axis named {name!r}: a name "
+                "must not be empty, contain a slash, begin with a dot, end in "
+                f"{PARTIAL} or be {GROUP}; rename it"
+            )
     lengths = {
         str(dim): dataset.chunksizes[dim]
         for dim in dataset.sizes
@@ -193,7 +205,7 @@ def _begin(
         if variable.chunks is None and variable.size:
             # xarray 2025.1 says None to Zarr 3.1 otherwise, which refuses it.
             variable.encoding["chunks"] = variable.shape
-    new = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    new = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
     remove(new)
     with unfinished(new), naming(path):
         try:
@@ -274,7 +286,7 @@ def _no_store_of_this(path: Path, why: str) -> InputError:
 
 def _remove_partial(path: os.PathLike) -> bool:
     """Remove what Zarr has not written whole to a store; tell whether there was any."""
-    return any([remove(file) for file in Path(path).rglob("*.partial")])
+    return any([remove(file) for file in Path(path).rglob(f"*{PARTIAL}")])
 
 
 def _written(path: Path, dataset: xr.Dataset, regions: _Regions) -> Any:

@@ -34,7 +34,7 @@ from .style import (
     plain,
 )
 
-FORCE_UNITS = ((1e3, "kN"), (1.0, "N"))
+FORCE_UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"))
 LENGTH_UNITS = ((1e-2, "cm"), (1e-3, "mm"))
 ENERGY_UNITS = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"))
 LINE = 100
@@ -78,7 +78,7 @@ def _five_panels(figure: Figure) -> tuple[Figure, list[Axes]]:
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.3))
     places = grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]
     panels = [figure.add_subplot(place) for place in places]
-    for axes in panels:
+    for axes in panels[:-1]:  # how wide the side view is says what it shows
         few_ticks(axes, 3.0, 2.0)
     return figure, panels
 
@@ -191,19 +191,29 @@ def _mark_peak(axes: Axes, time, value, colour: str, *, above) -> None:
     )
 
 
+def _leave_room(axes: Axes, low: float, span: float, below: bool) -> None:
+    """Set the limits of the vertical axis: above the values, from `low` over `span`, a
+    legend has room over the number of a peak; so has, where asked for, the number of a
+    low below them. Of the 135 points of a panel's height a legend takes 18 and a number
+    17."""
+    under, over = (0.22, 0.45) if below else (0.1, 0.4)
+    axes.set_ylim(low - under * span, low + (1.0 + over) * span)
+
+
 def draw_forces(axes: Axes, summary: ImpactSummary, history: History) -> None:
     """Draw N and T over time, their largest values marked."""
     axes.set_title("contact force")
     time = _time_axis(axes, history)
     normal, tangential = history.normal_force, history.tangential_force
-    largest = max(np.max(np.abs(normal), initial=0.0), 1e-300)
+    both = normal, tangential
+    low, high = np.min(both, initial=0.0), np.max(both, initial=0.0)
+    largest = max(high, -low, 1e-300)
     unit, name = _unit(largest, FORCE_UNITS)
     axes.plot(time, normal / unit, color=BLUE, label="N, normal")
     axes.plot(time, tangential / unit, color=VERMILION, label="T, tangential")
     axes.set_ylabel(f"force [{name}]")
-    # The legend has the upper part for itself.
-    low = min(np.min(tangential, initial=0.0), 0.0) / unit
-    axes.set_ylim(1.2 * low - 0.1 * largest / unit, 1.4 * largest / unit)
+    span = max(high - low, largest)
+    _leave_room(axes, low / unit, span / unit, below=low < -1e-6 * largest)
     if len(time) > 1 and summary.max_normal_force > 0.0:
         when = 1e3 * float(summary.time_of_max_normal_force)
         peak = float(summary.max_normal_force) / unit
@@ -227,7 +237,7 @@ def draw_depth(axes: Axes, summary: ImpactSummary, history: History) -> None:
     axes.plot(time, sinking / unit, color=ORANGE, lw=3, label="$u_D$, lowest point")
     axes.plot(time, penetration / unit, color=BLUE, ls="--", label="$u_n$, centre")
     axes.set_ylabel(f"penetration [{name}]")
-    axes.margins(y=0.15)
+    axes.margins(y=0.17)  # room for the number of the largest
     axes.invert_yaxis()
     if len(time) > 1 and summary.max_sinking > 0.0:
         peaks = [
@@ -251,11 +261,10 @@ def draw_rotation(axes: Axes, history: History) -> None:
     rotation = np.degrees(history.rotation)
     (turn,) = axes.plot(time, rotation, color=BLUE, label="rotation")
     axes.set_ylabel("rotation, clockwise [°]", color=BLUE)
-    # A block that does not turn shows a flat line, not the rounding of its angle; the
-    # legend has the upper part for itself.
     low, high = np.min(rotation, initial=0.0), np.max(rotation, initial=0.0)
-    span = max(high - low, 1.0)
-    axes.set_ylim(low - 0.15 * span, high + 0.35 * span)
+    below = low < -1e-3
+    # A block that does not turn shows a flat line, not the rounding of its angle.
+    _leave_room(axes, low, max(high - low, 1.0), below)
     if len(time) > 1 and np.any(np.abs(rotation) > 1e-3):
         place = int(np.argmax(np.abs(rotation)))
         value = rotation[place]
@@ -263,8 +272,7 @@ def draw_rotation(axes: Axes, history: History) -> None:
     other = axes.twinx()
     ratios = history.rotational_ratio
     (ratio,) = other.plot(time, ratios, color=PURPLE, ls="--", label="ratio $R_r$")
-    span = max(np.max(ratios, initial=0.0), 0.1)
-    other.set_ylim(-0.15 * span, 1.35 * span)
+    _leave_room(other, 0.0, max(np.max(ratios, initial=0.0), 0.1), below)
     other.set_ylabel("energy ratio $R_r$ [-]", color=PURPLE)
     other.grid(False)
     axes.legend(handles=[turn, ratio], loc="upper center", ncols=2)
@@ -350,6 +358,10 @@ def draw_side_view(axes: Axes, scene: Scene, history: History) -> None:
     axes.axhspan(low, 0.0, color=SOIL, zorder=0)
     axes.set_ylim(low, high)
     axes.set_aspect("equal", adjustable="box")
+    axes.apply_aspect()
+    inches = axes.figure.dpi_scale_trans.inverted()
+    panel = axes.get_window_extent().transformed(inches)
+    few_ticks(axes, panel.width, panel.height)
     axes.set_xlabel("along the ground, down-slope [m]")
     axes.set_ylabel("height over the ground [m]")
     slope = float(scene.impact.slope)

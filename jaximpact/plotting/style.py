@@ -8,6 +8,7 @@ import contextlib
 import io
 import math
 import os
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -32,6 +33,8 @@ COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY)
 """Colours of series, in the order in which they are given out."""
 MARKERS = "os^Dv<P*X>"
 LINES = ("-", "--", ":", "-.")
+MOST_CURVES = len(COLOURS) * len(LINES)
+"""Number of series that differ in colour or line, see `curve`."""
 
 WIDTH = 8.0
 """Width of a drawing [inch]; wider ones are shrunk where they are shown."""
@@ -260,9 +263,12 @@ def legend_outside(
 
 
 def empty_panel(axes: Axes, words: str) -> None:
-    """Say why a panel is empty."""
+    """Say why a panel is empty, in lines that stay within it."""
     axes.set(xticks=[], yticks=[])
-    axes.text(0.5, 0.5, words, ha="center", wrap=True, transform=axes.transAxes)
+    # A letter takes 0.08 inch; labels leave the panel less width than it has now.
+    letters = int(10.0 * axes.get_window_extent().width / axes.figure.dpi)
+    lines = textwrap.fill(words, max(letters, 1))
+    axes.text(0.5, 0.5, lines, ha="center", va="center", transform=axes.transAxes)
 
 
 def plain(text: str) -> str:

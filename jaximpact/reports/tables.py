@@ -72,12 +72,12 @@ def number_text(value: float) -> str:
 
 
 def place_text(value: float, digits: int = 4) -> str:
-    """Write a coordinate [m] with so many digits, and one of a national grid to the
-    decimetre."""
+    """Write a coordinate [m] with so many digits, at least 4, and one of a national
+    grid, of 5 digits or more before the point, to the decimetre."""
     if not np.isfinite(value):
         return "-"
     text = f"{0.0 if abs(value) < ROUNDING else value:.{digits}g}"
-    if abs(float(text)) < 10.0**digits:
+    if abs(float(text)) < 1e4:
         return text
     return f"{value:.1f}".removesuffix(".0")
 

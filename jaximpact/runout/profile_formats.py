@@ -1,6 +1,7 @@
 """Slope profiles from CSV files."""
 
 import dataclasses
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from .._settings import numpy_settings
 from ..errors import InputError, did_you_mean, located
+from ..io.checks import warn_unusual
 from ..io.files import check_text, read_input
 from ..io.scene_table import (
     check_separator,
@@ -25,6 +27,8 @@ from .terrain import ANGLE_COLUMNS, ROLLING_FRICTION_ANGLE, Profile
 POINT_COLUMNS = ("x_m", "y_m")
 MATERIAL_COLUMN = "material"
 """Column that names the material of the ground from a point to the next."""
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}\.\d{3}")
+"""Number whose point may separate thousands, as in German."""
 
 
 class ProfileTable(NamedTuple):
@@ -109,6 +113,7 @@ def read_profile_table(
         if bad := problem_with(values, column.removesuffix("_m")):
             place, problem = bad
             raise cell_error(path, problem, lines[place], column)
+    _warn_of_thousands(path, cells["y_m"], lines)
     fields: dict[str, ArrayLike] = {}
     angles: dict[str, ArrayLike] = {
         "rolling_friction_angle": rolling_friction_angle,
@@ -134,6 +139,29 @@ def read_profile_table(
         row = None if back is None else lines[back + 1]
         raise InputError(str(error), file=path, row=row) from None
     return ProfileTable(profile, tuple(numbers), materials)
+
+
+def _warn_of_thousands(path: Path, cells: list[str], lines: list[int]) -> None:
+    """Warn of heights in which a point separates thousands, as in 1.120 beside 998: all
+    points stand before three last digits, and without them the highest step of the
+    profile would be less than half as high."""
+    with_point = np.array(["." in cell for cell in cells])
+    if not 0 < np.count_nonzero(with_point) < len(cells):
+        return
+    if not all(THOUSANDS.fullmatch(cell) for cell in cells if "." in cell):
+        return
+    y = np.array(cells, float)
+    without = np.where(with_point, 1e3 * y, y)
+    step, smaller = (np.max(np.abs(np.diff(heights))) for heights in (y, without))
+    if smaller < 0.5 * step:
+        i = int(np.argmax(with_point))
+        warn_unusual(
+            f"is {y[i]:g} m; if the point separates thousands, write {without[i]:.0f}",
+            "y_m",
+            file=path,
+            row=lines[i],
+            column="y_m",
+        )
 
 
 def cell_error(path: Path, problem: str, line: int, column: str) -> InputError:

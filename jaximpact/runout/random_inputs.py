@@ -230,7 +230,7 @@ def draw(
 
     Raises InputError for a distribution with parameters out of range.
     """
-    whole_number("count", count, 0)
+    count = whole_number("count", count, 0)
     check_memory(count * len(quantities), f"{count} blocks")
     samples, repeats = {}, combinations(quantities)
     for name, quantity in quantities.items():
@@ -244,7 +244,8 @@ def draw(
             for field, value in quantity._asdict().items():
                 is_open = isinstance(value, float) and math.isinf(value)
                 if not (field in BOUNDS and is_open):
-                    real_number(f"{name}.{field}", value)
+                    number = real_number(f"{name}.{field}", value)
+                    quantity = quantity._replace(**{field: number})
             if fault := fault_of(quantity):
                 field, words = fault
                 raise InputError(
@@ -270,7 +271,7 @@ def key_of(seed: int, name: str) -> tuple[int, int]:
 
 
 def _sequence(seed: int, name: str) -> np.random.SeedSequence:
-    whole_number("seed", seed, 0)
+    seed = whole_number("seed", seed, 0)
     return np.random.SeedSequence((seed, zlib.crc32(name.encode())))
 
 

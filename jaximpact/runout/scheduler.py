@@ -108,7 +108,7 @@ def simulate_runout(
                 f"but are {len(ground.numbers)}"
             )
     limits = checked_limits(time_limit, event_limit, hop_threshold)
-    whole_number("width", width, 1)
+    width = whole_number("width", width, 1)
     if isinstance(contacts, ClosedForm):
         contacts.check_count(release.count)
     scenes = Scene(
@@ -133,12 +133,16 @@ def simulate_runout(
 
 def checked_limits(time_limit: float, event_limit: int, hop_threshold: float) -> Limits:
     """Check the limits of trajectories. Raises InputError for values out of range."""
-    if real_number("time_limit", time_limit) <= 0.0:
+    limits = Limits(
+        real_number("time_limit", time_limit),
+        whole_number("event_limit", event_limit, 1),
+        real_number("hop_threshold", hop_threshold),
+    )
+    if limits.time <= 0.0:
         raise InputError(f"time_limit must be above 0 s, but is {time_limit!r}")
-    whole_number("event_limit", event_limit, 1)
-    if real_number("hop_threshold", hop_threshold) < 0.0:
+    if limits.hop_threshold < 0.0:
         raise InputError(f"hop_threshold must be at least 0, but is {hop_threshold!r}")
-    return Limits(time_limit, event_limit, hop_threshold)
+    return limits
 
 
 @numpy_settings()

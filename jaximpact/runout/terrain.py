@@ -340,7 +340,7 @@ class Ground:
     ):
         soil = Soil() if soil is None else soil
         expect("a ground's soil", soil, Soil)
-        whole_number("a ground's seed", seed, 0)
+        seed = whole_number("a ground's seed", seed, 0)
         # NumPy arrays, since they are looked up lane by lane.
         soil = jax.tree.map(lambda leaf: np.asarray(leaf, float), soil)
         angles = [

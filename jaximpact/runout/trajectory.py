@@ -328,8 +328,9 @@ class Runs(ShownAsTable):
         Raises InputError for a number that no block has, and a spacing that is not
         above 0.
         """
-        whole_number("trajectory", trajectory, 0, len(self.ending) - 1)
-        if real_number("spacing", spacing) <= 0.0:
+        trajectory = whole_number("trajectory", trajectory, 0, len(self.ending) - 1)
+        spacing = real_number("spacing", spacing)
+        if spacing <= 0.0:
             raise InputError(f"spacing must be above 0 s, but is {spacing!r}")
         first, last = np.searchsorted(
             self.pieces.trajectory, [trajectory, trajectory + 1]

@@ -9,6 +9,7 @@ from ..plotting.style import (
     BLUE,
     SKY,
     VERMILION,
+    WIDTH,
     On,
     empty_panel,
     in_style,
@@ -45,21 +46,23 @@ def draw_tornado(dataset: xr.Dataset, on: On = None) -> Figure:
     Raises ValueError for a dataset of many impacts, or of something else.
     """
     dataset = _with_dimensions(dataset, "elasticity")
-    count = dataset.sizes["output"]
-    # Long names leave panels side by side no room for their numbers.
-    longest = max(map(len, map(str, dataset.parameter.values)))
-    columns = min(count, 3 if longest < 13 else 2 if longest < 20 else 1)
-    figure, axes = panels(
-        -(-count // columns),
-        columns,
-        height=1.3 + 0.28 * dataset.sizes["parameter"],
-        count=count,
-        title=ELASTICITIES_TITLE,
-        on=on,
-    )
+    height = 1.3 + 0.28 * dataset.sizes["parameter"]
+    figure, axes = _panels_of_outputs(dataset, height, ELASTICITIES_TITLE, on)
     for panel, name in zip(axes, dataset.output.values, strict=True):
         _draw_tornado(panel, dataset.sel(output=name))
     return figure
+
+
+def _panels_of_outputs(
+    dataset: xr.Dataset, height: float, title: str, on: On
+) -> tuple[Figure, list[Axes]]:
+    """Begin a figure with a panel for each output, in whose rows parameters stand."""
+    count = dataset.sizes["output"]
+    # Long names leave panels side by side no room for their bars and numbers.
+    longest = max(map(len, map(str, dataset.parameter.values)))
+    columns = min(count, 3 if longest < 13 else 2 if longest < 20 else 1)
+    rows = -(-count // columns)
+    return panels(rows, columns, height=height, count=count, title=title, on=on)
 
 
 def _draw_tornado(axes: Axes, of_output: xr.Dataset) -> None:
@@ -127,7 +130,8 @@ def draw_heat_map(dataset: xr.Dataset, on: On = None) -> Figure:
     values = dataset[variable].transpose("output", "parameter").values
     rows, columns = values.shape
     title = ELASTICITIES_TITLE if signed else TOTALS_TITLE
-    width = min(8.0, 4.5 + 0.8 * columns)
+    # A number takes half an inch; a wider figure is shrunk, but can be enlarged.
+    width = min(4.5 + 0.8 * columns, max(WIDTH, 2.5 + 0.55 * columns))
     figure, (axes,) = panels(height=1.5 + 0.3 * rows, width=width, title=title, on=on)
     image = axes.imshow(
         np.ma.masked_invalid(values),
@@ -167,13 +171,9 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
     Raises ValueError for a dataset of something else.
     """
     dataset = _with_dimensions(dataset, "total_order")
-    count, parameters = dataset.sizes["output"], dataset.sizes["parameter"]
-    columns = min(count, 3)
+    parameters = dataset.sizes["parameter"]
     height = 1.1 + 0.4 * parameters
-    rows = -(-count // columns)
-    figure, axes = panels(
-        rows, columns, height=height, count=count, title=SOBOL_TITLE, on=on
-    )
+    figure, axes = _panels_of_outputs(dataset, height, SOBOL_TITLE, on)
     for panel, name in zip(axes, dataset.output.values, strict=True):
         of_output = dataset.sel(output=name)
         panel.set_title(name)

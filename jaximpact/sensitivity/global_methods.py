@@ -82,7 +82,7 @@ def sobol(
             its square root.
         second_order: whether to compute the indices of pairs too, for which each block
             takes nearly twice the impacts.
-        seed: of the sample and of the bootstrap.
+        seed: of the sample and of the bootstrap, below 2**31.
         accuracy, journal, progress: as for `simulate_batch`.
 
     Returns:
@@ -93,8 +93,8 @@ def sobol(
         left out whole; see `sensitivity.global_methods`. With `second_order` also
         `second_order` and its interval over `parameter` and `with`: the fraction of the
         variance that two parameters account for only together. Indices are NaN where
-        fewer than half of the blocks are left, or the output does not change; `reason`
-        says so.
+        fewer than half of the blocks, or than two, are left, or the output does not
+        change; `reason` says so.
         Outcomes (attribute `outcomes`) that are no failure count as they are: a
         separating block has an e_n of -1.
 
@@ -192,8 +192,8 @@ class _Study(NamedTuple):
         base = as_scene(base)
         check_scene(base)
         checked, columns = check_ranges(base, ranges), output_columns(outputs)
-        # SALib's own limit, less the one that is added.
-        whole_number("seed", seed, 0, 2**32 - 2)
+        # The dataset holds it, and NetCDF 3 no larger numbers; SALib's limit is higher.
+        whole_number("seed", seed, 0, 2**31 - 1)
         return cls(base, checked, columns, seed, get_accuracy(accuracy))
 
     def check_size(self, groups: int, name: str, impacts: int) -> None:
@@ -320,7 +320,8 @@ def _estimate(
     whole = values[complete]
     reason = ""
     if len(whole) < max(2, 0.5 * len(values)):
-        words = "less than half of the groups" if len(whole) else "no group"
+        few = ("no group", "one group alone")
+        words = few[len(whole)] if len(whole) < 2 else "less than half of the groups"
         reason = f"{words} has all its values"
     elif np.ptp(whole) <= 1e-12 * np.abs(whole).max():
         reason = "the output does not change"

@@ -1,6 +1,7 @@
 """Calibration in one call, from a path or columns, and predictions with its result."""
 
 import copy
+import dataclasses
 import json
 import pickle
 
@@ -30,6 +31,7 @@ from jaximpact.calibration.prediction import held_out_study, predict_variant
 from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
+from jaximpact.calibration.report.frames import dataset_of
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 
@@ -192,6 +194,15 @@ def test_tables_of_a_fit(found):
         np.testing.assert_allclose(same, weights, rtol=1e-5)
     with pytest.raises(InputError, match="did you mean parameters"):
         found.to_dataframe("parameter")
+
+
+def test_limits_are_marked_in_the_dataset_of_a_fit(found):
+    result, variant, examined = found._fit(None)
+    censored = np.zeros(result.study.measured.shape, int)
+    censored[:2, 0] = 1, -1
+    study = dataclasses.replace(result.study, censored=censored)
+    dataset = dataset_of((result._replace(study=study), variant, examined))
+    assert dataset.limit.sel(target="e_n").values.tolist() == [">", "<", *[""] * 4]
 
 
 def test_columns_are_read_as_their_table_is(tmp_path, twin):

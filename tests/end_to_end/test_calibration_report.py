@@ -112,16 +112,21 @@ def test_the_page_says_what_is_not_determined(page):
 
 
 FEW = {
-    "one measurement": ("500,15,0.2,", "Best identifiable combination"),
+    "one measurement": (
+        "500,15,0.2,",
+        "Best identifiable combination",
+        "the fit passes through every measurement",
+    ),
     "limits alone": (
         "500,15,<0.3,>0.1\n500,25,>0.05,<0.5",
         "No combination of them is identifiable",
+        "None: only limits are known, which have no residuals.",
     ),
 }
 
 
-@pytest.mark.parametrize(("rows", "words"), FEW.values(), ids=FEW)
-def test_a_report_of_next_to_nothing(tmp_path, capsys, rows, words):
+@pytest.mark.parametrize(("rows", "words", "of_residuals"), FEW.values(), ids=FEW)
+def test_a_report_of_next_to_nothing(tmp_path, capsys, rows, words, of_residuals):
     """Interrupted at first, which leaves no result behind."""
     text = "mass_kg,speed_mps,e_n,max_penetration_m\n" + rows
     (tmp_path / "tests.csv").write_text(text + "\n")
@@ -146,4 +151,6 @@ def test_a_report_of_next_to_nothing(tmp_path, capsys, rows, words):
     assert words in " ".join(report.split())
     table = report.split("  bounds\n")[1].split("\n\n")[0]
     assert table.count("not identifiable") == 3
+    assert report.count("None: ") == 1
+    assert of_residuals in " ".join(report.split())
     json.loads((out / "fit.json").read_text())

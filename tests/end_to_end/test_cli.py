@@ -149,6 +149,23 @@ def test_accuracy_and_timing(folder, capsys):
     assert re.search(times, capsys.readouterr().err)
 
 
+def test_where_a_journal_holds_all_results_no_times_are_told(
+    folder, monkeypatch, capsys
+):
+    def cut_short(table, result):
+        raise KeyboardInterrupt
+
+    command = ["batch", "scenes.csv", "--out", "results.csv", "--timing"]
+    with monkeypatch.context() as patch:
+        patch.setattr("jaximpact.io.result_table._lines", cut_short)
+        assert main(command) == 130
+    capsys.readouterr()
+    assert main(command) == 0
+    said = capsys.readouterr().err
+    assert "no impact was computed: results.csv.journal held all results" in said
+    assert "impacts/s" not in said
+
+
 @pytest.mark.parametrize(
     ("error", "code", "part"),
     [

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pandas as pd
 import pytest
-from error_messages import assert_one_line
+from error_messages import assert_one_line, warned_once
 
 from jaximpact import (
     Accuracy,
@@ -29,6 +29,7 @@ from jaximpact.calibration.arguments import table_given
 from jaximpact.cli import main
 from jaximpact.errors import InputError, UnusualValueWarning, did_you_mean, shown
 from jaximpact.io.files import read_input
+from jaximpact.io.scene_table import read_table
 from jaximpact.runout import (
     ClosedForm,
     FullModel,
@@ -148,6 +149,7 @@ STUDIES = [
     ("sweep", "[axes]\nk_E = {from=1, to=2}", "key axes.k_E: needs count"),
     ("sweep", "[axes]\nk_E = {from=1, to=2, cont=2}", "did you mean count"),
     ("sweep", "[axes]\nk_E = {from=1, to=2, count=0}", "must be at least 1"),
+    ("sweep", "[axes]\nk_E={from=1, to=2, count=1}", "k_E.count: must be at least 2"),
     (
         "sweep",
         "[axes]\nk_E={from=0,to=2,count=2,spacing='logarithmic'}",
@@ -446,6 +448,36 @@ def test_tests_that_cannot_be_read(tests, said):
 def test_masked_measurements_are_empty():
     table = table_given(GOOD | {"e_n": np.ma.array([0.2, 0.3], mask=[True, False])})
     np.testing.assert_array_equal(table.numbers["e_n"], [np.nan, 0.3])
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "said"),
+    [
+        ("e_n", ["-99.0", 0.2], "row 2, column e_n: is -99; if that is a mark for no"),
+        ("e_n", [-99, -999], "row 2, column e_n: is -99 and 1 more rows; if that"),
+        ("max_penetration_m", [0.1, -99], "row 3, column max_penetration_m: is -99;"),
+        ("v_t_mps", [3.0, -999.0], "row 3, column v_t_mps: is -999; .*cell empty$"),
+        ("v_t_mps", [3.0, -99.0], None),
+        ("e_n", [-0.99, 0.2], None),
+        ("max_normal_force_N", [-999.0, 1e4], None),
+        ("tangential_impulse_Ns", [-999.0, 1e3], None),
+        ("omega_radps", [-99.0, -999.0], None),
+        ("angular_velocity_degps", [-99.0, -999.0], None),
+    ],
+)
+def test_measurements_that_may_be_marks_for_no_data_are_warned_of(name, values, said):
+    """Where the result cannot be so large: a force or a spin may."""
+    with warned_once(UnusualValueWarning, said):
+        table_given(GOOD | {name: values})
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_files_warn_of_marks_for_no_data(tmp_path, suffix):
+    path = tmp_path / f"tests.{suffix}"
+    frame = FRAME.assign(e_n=[0.1, -999.0])
+    frame.to_parquet(path) if suffix == "parquet" else frame.to_csv(path, index=False)
+    with warned_once(UnusualValueWarning, f"{path.name}, row 3, column e_n: is -999;"):
+        read_table(path, measured=True)
 
 
 UNUSUAL = "jaximpact.errors.UnusualValueWarning"

@@ -73,6 +73,10 @@ WRONG = {
         law("flow", "return FlowRate(load.size, 0.1, 0.0)"),
         "gives a tangential or rotational rate of 0.1 under a central load",
     ),
+    "flow below yield that is denied": (
+        law("flow", parameter="flows_below_yield = False"),
+        "says flows_below_yield = False, but flows at 0.005 m/s below yield",
+    ),
     "other arguments": (
         law("flow", arguments="self, load, hardening"),
         r"the model calls __call__\(self, load, hardening, foundation, \*, branch=None",

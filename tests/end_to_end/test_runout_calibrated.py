@@ -67,7 +67,7 @@ def fit(**changes):
             name: {"start": high, "lower": low, "upper": high, "prior": None}
             for name, (low, high) in zip(NAMES, ranges, strict=True)
         },
-        "targets": [],
+        "targets": ["e_n"],
         "accuracy": {"name": "balanced"},
         "seed": 0,
     }

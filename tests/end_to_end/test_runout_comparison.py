@@ -9,10 +9,10 @@ from error_messages import assert_one_line_error
 from slope_study import assert_refused
 from text_files import rows_of
 
-import jaximpact.runout.study.output  # noqa: F401, takes `simulate` before a test replaces it
 from jaximpact import FrictionalEllipsoid, read_netcdf
 from jaximpact.cli import main
 from jaximpact.errors import InputError
+from jaximpact.reports.tables import Table
 from jaximpact.runout import (
     ClosedForm,
     Ending,
@@ -22,6 +22,9 @@ from jaximpact.runout import (
     run_slope_study,
 )
 from jaximpact.runout.study import run_study as study_module
+
+# Before a test replaces `simulate`, which it imports.
+from jaximpact.runout.study.output import comparison_report
 
 pytestmark = pytest.mark.slow
 
@@ -181,6 +184,34 @@ def test_a_comparison_goes_on(slope, capsys, monkeypatch):
     computed.clear()
     assert main(["runout", "slope.toml", "--out", "out"]) == 130
     assert computed == [("mu 0.2", 60)]
+
+
+LEFT = """
+count = 30
+
+[profile]
+points_m = [[-400, 0], [-100, 0], [0, 60]]
+
+[release]
+x_m = -2
+clearance_m = 1
+speed_mps = { from = 2, to = 6 }
+direction_deg = 180
+"""
+
+
+def test_the_farthest_of_blocks_that_run_left(folder):
+    (folder / "left.toml").write_text(LEFT + CONSTANT + FRICTIONAL)
+    studies = read_slope_studies(folder / "left.toml")
+    datasets = {study.law.name: run_slope_study(study) for study in studies}
+    report = comparison_report(datasets)
+    (table,) = (part for part in report.answer if isinstance(part, Table))
+    assert table.columns[-1] == "farthest"
+    assert len(table.rows) == 2
+    for law, *_, farthest in table.rows:
+        x = datasets[law].x_m.values[datasets[law].ending.values == "stopped"]
+        assert farthest == f"{x.min():.5g}" != f"{x.max():.5g}"
+    assert "Blocks run to the left." in report.text()
 
 
 def test_letters_of_any_language_name_directories(slope):

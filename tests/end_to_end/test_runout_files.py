@@ -352,6 +352,19 @@ def test_paths_of_the_page_end_where_the_blocks_do(slope_results):
     assert study.inputs.title in page
 
 
+def test_a_tall_barrier_near_the_release_is_drawn_whole(changed):
+    """It stands higher than any block comes."""
+    taller = ("x_m = 60\n", "x_m = 4\n"), ("height_m = 1\n", "height_m = 9\n")
+    study = read_slope_study(changed(*taller))
+    drawn = page_data.page_profile(study, simulate(study, np.arange(3)))
+    path = drawn["barriers"][0]
+    foot, top = map(int, re.fullmatch(r"M\d+ (\d+)V(\d+)", path).groups())
+    scale = drawn["scale"]
+    # A unit is 1 mm.
+    assert (top - foot) * scale["unit"] == pytest.approx(9.0, abs=2e-3)
+    assert top * scale["unit"] <= scale["height"] + 1e-3
+
+
 def test_what_is_not_known_is_told(slope_results, slope):
     _, study, dataset, *_ = slope_results
     lines = " ".join(unknowns(study, dataset))

@@ -246,6 +246,21 @@ def test_stops_that_differ_in_national_coordinates(both):
     assert re.search(pattern, line)
 
 
+def test_stops_far_to_the_left_are_compared(both):
+    """Where the near ends of the two runs are the same, and the far ends are not."""
+    dataset = both[1].isel(block=np.arange(400) % 40)
+    near = -np.linspace(10.0, 50.0, 400)
+    farther = np.where(near < np.median(near), near - 30.0, near)
+    stopped = np.full(400, "stopped", object)
+    columns = {"x_m": near, f"{PREFIX}x_m": farther}
+    columns |= {"ending": stopped, f"{PREFIX}ending": stopped}
+    left = dataset.assign({name: ("block", of) for name, of in columns.items()})
+    lines = [text for text in differences(left) if text.startswith("x ")]
+    assert [line.split(":")[0] for line in lines] == [
+        f"x beyond which {percent} % of the blocks stopped" for percent in (95, 99)
+    ]
+
+
 def test_the_second_run_can_be_left_out(folder, capsys):
     study_of(folder, top="count = 6\naccuracy = 'fast'\ncollectors_m = [60]")
     assert main(["runout", "slope.toml", "--out", "out", "--no-second-run"]) == 0

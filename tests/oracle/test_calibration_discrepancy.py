@@ -170,7 +170,19 @@ def test_without_three_speeds_nothing_is_known():
     objective, fits = fitted(Linear(study, matrix=np.array([[1.0], [1], [2], [2]])))
     uncertainty = estimate(objective, fits.points)
     assert estimate_discrepancy(objective, fits.points, uncertainty) is None
-    assert "unknown" in in_words(None)
+    assert "an estimate needs three values of speed, size or angle" in in_words(None)
+
+
+def test_limits_at_three_speeds_tell_nothing():
+    """They have no errors, and the words say so."""
+    columns = {"speed_mps": [1.0, 2.0, 3.0], "e_n": [">0.1", "<0.5", ">0.2"]}
+    study = study_of_columns(
+        columns, parameters={"c_v": {"start": 1.0, "lower": 1e-3, "upper": 1e3}}
+    )
+    objective, fits = fitted(Linear(study, matrix=np.array([[0.1], [0.2], [0.3]])))
+    uncertainty = estimate(objective, fits.points)
+    assert estimate_discrepancy(objective, fits.points, uncertainty) is None
+    assert "with measurements that are not limits" in in_words(None)
 
 
 def test_written_and_read_again():

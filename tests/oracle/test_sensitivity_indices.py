@@ -135,6 +135,7 @@ def test_what_cannot_be_estimated_is_not(ishigami_blocks):
     for blocks, words, dropped in (
         (few, "less than half of the groups", 40),
         (none, "no group", 64),
+        (few[39:41], "one group alone has", 1),
         (constant, "does not change", 0),
     ):
         found = sobol_of(blocks, seed=0)
@@ -283,6 +284,34 @@ def test_a_study_of_a_known_function(ishigami_model, tmp_path):
     assert "no group" in of_e_t.texts[0].get_text()
 
 
+def box_of(artist):
+    box = artist.get_window_extent()
+    return box.x0, box.x1
+
+
+def test_drawings_of_long_names_and_many_parameters_can_be_read(ishigami_model):
+    found = sobol(Scene(), ISHIGAMI_RANGES, seed=4, blocks=8)
+    names = ["max_sinking_m", "max_normal_force_N", "max_penetration_m", "e_t"]
+    drawn = found.isel(output=[0, 0, 0, 1]).assign_coords(output=names)
+    for longest in ("gamma_v", "angular_velocity_degps"):
+        dataset = drawn.assign_coords(parameter=[longest, "angle_deg", "c_v"])
+        figure = draw_sobol(dataset)
+        figure.draw_without_rendering()
+        for panel in figure.axes:
+            left, right = box_of(panel.title)
+            assert 0.0 < left < right < figure.bbox.width
+            for words in panel.texts:  # why it is empty
+                (low, high), (left, right) = box_of(panel), box_of(words)
+                assert low < left < right < high
+    # Thirty parameters, as many as an impact has.
+    many = found.isel(output=[0], parameter=[0, 1, 2] * 10)
+    heat_map = draw_heat_map(many)
+    heat_map.draw_without_rendering()
+    ends = [end for text in heat_map.axes[0].texts for end in box_of(text)]
+    assert len(ends) == 60
+    assert ends == sorted(ends)
+
+
 def test_a_study_has_pairs_where_asked_for(ishigami_model):
     found = sobol(
         Scene(), ISHIGAMI_RANGES, ("e_n", "e_t"), blocks=64, second_order=True
@@ -313,6 +342,17 @@ def test_effects_of_a_known_function(ishigami_model):
     effect = found.sel(output="e_n", parameter="delta_1")
     exact = 7.0 * 0.75 / (2.0 / 3.0)
     assert float(effect.mean_absolute_effect) == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("method", "size"), [(sobol, "blocks"), (morris, "trajectories")]
+)
+def test_the_largest_seed_can_be_written(ishigami_model, tmp_path, method, size):
+    largest, file = 2**31 - 1, tmp_path / "found.nc"
+    write_netcdf(file, method(Scene(), ISHIGAMI_RANGES, seed=largest, **{size: 8}))
+    assert read_netcdf(file).attrs["seed"] == largest
+    with pytest.raises(InputError, match=f"seed must be at most {largest}, but is"):
+        method(Scene(), ISHIGAMI_RANGES, seed=largest + 1, **{size: 8})
 
 
 # --- with the model

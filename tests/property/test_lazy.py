@@ -118,6 +118,34 @@ def test_a_dataset_of_arrays_is_computed_at_once_and_keeps_what_it_is(at_once):
     assert result.attrs["outcomes"] == '{"detached": 20}'
 
 
+@pytest.mark.parametrize("words", ["deg", "degrees", "°", "", None])
+def test_quantities_of_a_result_say_their_units(words):
+    said = {} if words is None else {"units": words}
+    scenes = xr.Dataset(
+        {"mass_kg": ("angle_deg", [50.0, 500.0], {"source": "scale"})},
+        {"angle_deg": ("angle_deg", [0.0, 30.0], said)},
+    )
+    result = simulate_dataset(scenes)
+    assert result.angle_deg.attrs == {"units": "deg"}
+    assert result.mass_kg.attrs == {"source": "scale", "units": "kg"}
+    assert scenes.angle_deg.attrs == said  # the user's stay as they are
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("angle_deg", "rad"), ("mass_kg", "g"), ("aspect_ratio", "%"), ("k_E", "kPa")],
+)
+def test_units_that_contradict_a_name_are_refused(name, unit):
+    given = xr.Dataset({name: ("x", [1.0, 1.2], {"units": unit})})
+    message = f"{name} must have the unit .*, but its attribute units says '{unit}'"
+    for scenes in (given, given.chunk(x=1), given.set_coords(name)):
+        with pytest.raises(InputError, match=message):
+            simulate_dataset(scenes)
+    for axes in ({name: given[name]}, {"both": {name: given[name]}}):
+        with pytest.raises(InputError, match=f"^axis .*{message}"):
+            sweep(BASE, axes)
+
+
 def test_a_dataset_in_chunks_is_the_dataset_of_arrays():
     mass, angle = np.linspace(50.0, 500.0, 6), np.linspace(0.0, 60.0, 4)
     scenes = xr.Dataset(
@@ -174,6 +202,10 @@ def test_a_value_of_a_block_that_is_out_of_range_is_told_as_it_is_computed():
             "chunks must name axes .*, but holds 'angel_deg'",
         ),
         ({"chunks": {"angle_deg": (1, 1)}}, "lengths that add up to the axes"),
+        ({"chunks": 0}, r"lengths that add up to the axes .*, but is 0: .* zero"),
+        ({"chunks": {"angle_deg": 0}}, r"but is \{'angle_deg': 0\}: .* zero"),
+        ({"chunks": {"angle_deg": -3}}, "but is .* -3}: a length is negative"),
+        ({"chunks": {"angle_deg": (-1, 6)}}, "but is .*: a length is negative"),
         ({"chunks": 1, "progress": print}, "write_zarr, which has progress"),
     ],
 )
@@ -391,6 +423,26 @@ def test_names_that_are_no_texts_are_refused(tmp_path, names):
     lazy = simulate_dataset(scenes_in_chunks()).rename(names)
     with pytest.raises(InputError, match=r"of a store must be of type str, but is 3"):
         write_zarr(tmp_path / "a.zarr", lazy)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "soil/type",
+        "soil\\type",
+        "draft.partial",
+        "_regions",
+        ".zgroup",
+        ".zattrs",
+        "..",
+    ],
+)
+def test_names_that_are_no_folders_of_a_store_are_refused(tmp_path, computed, name):
+    axes = {name: {"name": ["dense", "loose"], "c_v": [1.0, 0.5]}}
+    with pytest.raises(InputError) as refused:
+        write_zarr(tmp_path / "a.zarr", sweep(BASE, axes, chunks=1))
+    assert f"a variable or an axis named {name!r}" in str(refused.value)
+    assert [*tmp_path.iterdir()] == [] == computed
 
 
 def test_chunks_of_no_size_are_regions_too(tmp_path):

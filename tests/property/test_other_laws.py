@@ -344,6 +344,42 @@ def test_a_nucleus_without_a_threshold_flows_below_yield():
     assert float(known.PowerNucleus()(load, hardening, footing()).normal) > 0.0
 
 
+class Creep(known.Perzyna):
+    """Perzyna's law with a power of the load in place of the overstress."""
+
+    def flow_size(self, load, hardening, foundation, branch):
+        return self.gamma_v * (load.size / hardening) ** 2
+
+
+class CreepOfAnotherName(Creep):
+    """Nothing is changed."""
+
+
+class Oil(known.DampingRatios):
+    """A dashpot beside the ratios."""
+
+    def __call__(self, stiffness, mass, inertia):
+        found = super().__call__(stiffness, mass, inertia)
+        return found._replace(normal=found.normal + 2000.0)
+
+
+class Smooth(known.HardeningPerLength):
+    """Hardening with kinks of its own."""
+
+    def __call__(self, hardening, flow, foundation, *, branch=None):
+        return self.c_v * (1.0 - hardening) * jnp.abs(flow.rotational)
+
+
+def test_what_a_law_says_of_itself_is_not_said_of_a_law_derived_from_it():
+    assert not known.Perzyna.flows_below_yield
+    assert Creep.flows_below_yield
+    assert CreepOfAnotherName.flows_below_yield
+    assert not any(known.DampingRatios().acts())
+    assert all(Oil().acts())
+    assert known.HardeningPerLength().heeds_signs() == (True, False)
+    assert all(Smooth().heeds_signs())
+
+
 def test_pressed_springs_carry_the_pressure_that_their_modulus_is_taken_at():
     law = known.ContactPressureModulus(k_E=700.0, n_E=0.3, poisson=0.25, S_ef=0.8)
     length, width, elastic = 0.5, 0.32, 2e-3

@@ -1,6 +1,7 @@
 """Measurements as people have them: campaigns, gaps, limits, outliers, and quantities
 that nobody measured."""
 
+import csv
 from types import SimpleNamespace
 
 import numpy as np
@@ -27,6 +28,7 @@ from jaximpact.calibration.problem.noise import (
     true_curvature,
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
+from jaximpact.calibration.report.comparison import comparison_csv
 from jaximpact.calibration.report.contents import (
     _fixed_quantities,
     about,
@@ -157,6 +159,18 @@ def test_campaigns_are_joined(tmp_path):
     np.testing.assert_array_equal(joined.censored[2:], [[0, 1], [-1, 0]])
 
 
+def comparison_rows(study):
+    """Rows of comparison.csv for one law, all of whose predictions are 0."""
+    numbers = np.zeros(study.measured.shape)
+    left_out = SimpleNamespace(
+        density=numbers[:, 0], predicted=numbers, deviation=numbers
+    )
+    law = SimpleNamespace(name="model", left_out=left_out)
+    part = SimpleNamespace(study=study, laws=[law])
+    text = comparison_csv(SimpleNamespace(parts=[part]))
+    return list(csv.DictReader(text.splitlines()))
+
+
 def test_files_of_one_name_are_told_apart(tmp_path):
     for folder, text in (("2019", "100,0.1\n400,0.2\n"), ("2023", "300,0.3\n")):
         (tmp_path / folder).mkdir()
@@ -182,7 +196,18 @@ def test_files_of_one_name_are_told_apart(tmp_path):
     result = SimpleNamespace(study=study, variants=[variant])
     fitted_rows = fitted_table(result, [found]).frame()
     assert fitted_rows.file.tolist() == [names[0], names[0], names[1]]
+    assert fitted_rows.row.tolist() == [2, 3, 2]
     assert tests.name(2) == "2023/tests row 2"
+    # The table of a comparison is joined with it by file and row.
+    compared = comparison_rows(study)
+    assert [row["file"] for row in compared] == fitted_rows.file.tolist()
+    assert [int(row["row"]) for row in compared] == [2, 3, 2]
+
+
+def test_limits_are_marked_in_the_table_of_a_comparison():
+    rows = comparison_rows(study_of_columns({"e_n": ["0.2", ">0.3", "<0.1"]}))
+    assert [row["limit"] for row in rows] == ["", ">", "<"]
+    assert [row["measured"] for row in rows] == ["0.2", "0.3", "0.1"]
 
 
 def test_whole_numbers_with_and_without_a_point_are_one_group(tmp_path):
@@ -303,6 +328,24 @@ def test_what_stands_in_tables_and_curves_twice_is_told(tmp_path):
     of_test = "Tests that are the same as another in every column: 2, the first of them"
     assert told(*["once.csv"] * 3) == [f"{of_test} row 3 as row 2. {twice}"]
     assert len(told("curve.csv", "curve.csv")) == 2
+
+
+def test_the_copy_of_a_table_is_told(tmp_path):
+    """Though its name is that of a campaign. The same numbers in two campaigns that the
+    tables state are no copy."""
+    path = tmp_path / "study.toml"
+    path.write_text('data = ["a.csv", "a_copy.csv"]\n')
+
+    def told(campaign, of_copy):
+        for name, stated in (("a", campaign), ("a_copy", of_copy)):
+            rows = f"{stated},100,0.1\n{stated},400,0.2\n"
+            (tmp_path / f"{name}.csv").write_text("campaign,mass_kg,e_n\n" + rows)
+        return read_study(path).tests.repeated_in_words()
+
+    for campaign in ("", "north"):
+        (line,) = told(campaign, campaign)
+        assert "column: 2, the first of them a_copy row 2 as a row 2." in line
+    assert told("north", "south") == []
 
 
 def test_the_middle_of_the_tests_has_a_curve_once(tmp_path):

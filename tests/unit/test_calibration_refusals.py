@@ -1,15 +1,19 @@
-"""What a study, its tests or a call of `calibrate` must not say: one line each, before
-anything is fitted."""
+"""What a study, its tests, a call of `calibrate` or the file of a fit must not say: one
+line each, before anything is fitted or predicted."""
+
+import json
 
 import numpy as np
 import own_laws
 import pytest
 from error_messages import assert_one_line, assert_one_line_error
+from paths import ROOT
 from text_files import write_changed
 
 from jaximpact import Soil, calibrate
 from jaximpact.calibration import read_study, residuals
 from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.fitted_ground import read_fitted
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.laws import FluidityRate
@@ -389,3 +393,40 @@ variants = [{ dilatancy = 0.0 }, { name = "rate", flow = "FluidityRate" }]
         assert getattr(of_call, name) == getattr(of_file, name)
     assert [str(v) for v in of_call.variants] == [str(v) for v in of_file.variants]
     assert str(of_call.nuisances) == str(of_file.nuisances)
+
+
+FIT = ROOT / "calibration" / "beladjine2007" / "result" / "fit.json"
+FIRST = "variants", 0
+DAMAGES = {
+    "a draw is null": ((*FIRST, "draws", "values", 0, 0), None),
+    "weights are of fewer draws": ((*FIRST, "draws", "weights"), [1.0]),
+    "weights are 0": ((*FIRST, "draws", "weights"), [0.0] * 1536),
+    "a weight is below 0": ((*FIRST, "draws", "weights", 0), -1.0),
+    "a weight is null": ((*FIRST, "draws", "weights", 0), None),
+    "a value is null": ((*FIRST, "parameters", "c_v", "value"), None),
+    "a value is text": ((*FIRST, "parameters", "c_v", "value"), "a"),
+    "a sigma is null": ((*FIRST, "fit", "e_n", "sigma"), None),
+    "a bound is null": (("manifest", "parameters", "c_v", "lower"), None),
+    "a range is null": (("fitted_tests", "ranges", "mass_kg"), [None, None]),
+    "the accuracy is unknown": (("manifest", "accuracy", "name"), "finest"),
+    "the seed is negative": (("manifest", "seed"), -1),
+    "the seed is no whole number": (("manifest", "seed"), 1.5),
+    "a target is unknown": (("manifest", "targets"), ["foo"]),
+    "there is no variant": (("variants",), []),
+}
+
+
+@pytest.mark.parametrize(("place", "value"), DAMAGES.values(), ids=DAMAGES)
+def test_a_result_with_damaged_values_is_refused(tmp_path, place, value):
+    """By an error that names the file, not later or by other numbers."""
+    tree = json.loads(FIT.read_text())
+    assert len(tree["variants"][0]["draws"]["weights"]) == 1536
+    entry = tree
+    for key in place[:-1]:
+        entry = entry[key]
+    assert entry[place[-1]] != value
+    entry[place[-1]] = value
+    (tmp_path / "fit.json").write_text(json.dumps(tree))
+    with pytest.raises(InputError) as error:
+        read_fitted(tmp_path)
+    assert_one_line(error.value, "fit.json: ")

@@ -9,6 +9,7 @@ from calibration_studies import study_of_columns
 
 from jaximpact import PRESETS, Block, Impact, Scene, Soil, simulate_batch
 from jaximpact.calibration import fit_study
+from jaximpact.calibration.diagnostics.discrepancy import Discrepancy
 from jaximpact.calibration.diagnostics.examination import (
     doubtful_units,
     freedom_text,
@@ -19,6 +20,7 @@ from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.diagnostics.residuals import Bias, Residuals, residuals_of
 from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.parameters import about_draws, verdict
+from jaximpact.calibration.report.prediction import _about_discrepancy
 
 ANGLES = [10.0, 25.0, 40.0, 50.0, 60.0, 35.0]
 SPEEDS = [8.0, 12.0, 10.0, 15.0, 20.0, 6.0]
@@ -329,3 +331,23 @@ def test_draws_that_all_count_do_not_make_a_bound_normal():
     assert "c_v" in words(False)
     assert "rely on the verdict" in words(False)
     assert "Standard errors are those of these draws" in words(True, of_draws=True)
+
+
+def test_the_part_of_the_discrepancy_is_that_of_what_is_predicted():
+    """Two targets in two tests: none has a part that has no prediction, no scatter or
+    no discrepancy, as at a time of a force curve, where only forces are predicted."""
+    scale = np.ones(2), np.full(2, np.inf)
+    known = Discrepancy(1.0, 3.0, 6, ("largest speeds",), np.zeros((1, 3)), *scale)
+
+    def told(middle, sigma, discrepancy):
+        fields = dict(middle=middle, sigma=sigma, discrepancy=discrepancy)
+        arrays = {name: np.array(values) for name, values in fields.items()}
+        fitted = SimpleNamespace(discrepancy=known)
+        return _about_discrepancy(SimpleNamespace(fitted=fitted, **arrays))[0]
+
+    words = told([[1, 2], [1, 2]], [[1, 1], [1, 1]], [[0.5, 1], [2, 3]])
+    assert words.startswith("Discrepancy is 20 to 90 % of the variance of a ")
+    words = told([[1, np.nan], [1, 2]], [[1, 1], [0, 1]], [[1, 3], [3, 0]])
+    assert words.startswith("Discrepancy is 50 to 50 % ")
+    of_force = told([[np.nan, 2], [np.nan, 2]], [[1, 1], [1, 0]], [[1, 0], [1, 0]])
+    assert of_force.startswith("Discrepancy is estimated from 6 measurements left out")

@@ -9,7 +9,13 @@ import pytest
 from jaximpact.errors import InputError
 from jaximpact.parameters import parameter
 from jaximpact.part_checks import check_part
-from jaximpact.shapes import Ellipsoid, EllipticCylinder, RectangularPrism, Section
+from jaximpact.shapes import (
+    Ellipsoid,
+    EllipticCylinder,
+    RectangularPrism,
+    Section,
+    SemiAxes,
+)
 
 
 def changed(**functions):
@@ -59,6 +65,10 @@ def lopsided(self, axes, sin, cos):
     return EllipticCylinder.support(self, axes, sin, cos) + 0.1 * sin * cos
 
 
+def twice_as_far(self, axes, sin, cos, *, side=None):
+    return 2.0 * EllipticCylinder.tangency_arm(self, axes, sin, cos)
+
+
 def wrong_if_elongated(self, axes, sin, cos, height, sinking):
     found = EllipticCylinder.section(self, axes, sin, cos, height, sinking)
     sign = jnp.where(self.aspect_ratio > 1.8, -1.0, 1.0)
@@ -78,6 +88,10 @@ def without_a_root(found, sinking):
         ),
         (lambda: changed(support=wrong_axes), "at 0 degrees must be the half size H"),
         (lambda: changed(support=lopsided), "symmetric about its axes"),
+        (
+            lambda: changed(tangency_arm=twice_as_far),
+            "tangency_arm must be the derivative of support by the orientation",
+        ),
         (
             lambda: changed(unit_volume=property(lambda self: jnp.ones(3))),
             r"Mine: unit_volume.* must return a number, but returns an array",
@@ -109,6 +123,31 @@ def without_a_root(found, sinking):
 def test_errors_name_function_and_cure(shape, words):
     with pytest.raises(InputError, match=words):
         check_part("shape", shape())
+
+
+def lobed(self, axes, sin, cos):
+    return EllipticCylinder.support(self, axes, sin, cos) * (
+        1.0 + 0.1 * (sin * cos) ** 2
+    )
+
+
+def test_what_holds_for_an_ellipse_does_not_hold_for_what_is_none():
+    one = jnp.asarray(1.0)
+    axes, sin, cos = SemiAxes(one, one, one), jnp.sin(0.4), jnp.cos(0.4)
+    shape = changed(aspect_ratio=parameter(1.0, "-", "(0, inf)", "H/R"), support=lobed)
+    assert not shape.is_round()
+    assert not shape.is_upright(0.4)
+    # d/dx of 0.1 sin^2 x cos^2 x, by hand.
+    expected = 0.1 * float(jnp.sin(0.8) * jnp.cos(0.8))
+    assert float(shape.tangency_arm(axes, sin, cos)) == pytest.approx(
+        expected, rel=1e-12
+    )
+    change = shape.support_change(axes, (0.0, 1.0), (sin, cos), sin)
+    assert float(change) == pytest.approx(0.025 * float(jnp.sin(0.8)) ** 2, rel=1e-12)
+
+    round_one = changed(aspect_ratio=parameter(1.0, "-", "(0, inf)", "H/R"))
+    assert round_one.is_round()
+    assert round_one.is_upright(0.4)
 
 
 def test_a_shape_is_tried_at_aspect_ratios_of_its_range_alone():

@@ -1,6 +1,7 @@
 """The plot of one impact: every kind of outcome gives a figure, and files are whole."""
 
 import io
+from itertools import pairwise
 from types import SimpleNamespace
 
 import equinox as eqx
@@ -8,6 +9,7 @@ import jax
 import matplotlib
 import numpy as np
 import pytest
+import xarray as xr
 from calibration_studies import study_of_columns
 from matplotlib import pyplot
 from matplotlib.figure import Figure
@@ -19,10 +21,14 @@ from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline, scene_in_words
 from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
 from jaximpact.plotting.style import panels as panels_of
+from jaximpact.reports.tables import at_x
 from jaximpact.runout.back_analysis.drawing import draw_channel
 from jaximpact.runout.back_analysis.observed import ObservedValues
 from jaximpact.runout.back_analysis.predictive import ChannelPrediction
+from jaximpact.runout.study.drawing import CURVES, draw_collectors
 
+SPINNING = Impact.from_degrees(orientation=17, angular_velocity=20_000)
+"""Its block separates at once: the side view is of one outline, and narrow."""
 PANELS = ["contact force", "penetration", "rotation", "energy", "side view, to scale"]
 
 
@@ -92,6 +98,36 @@ def test_shows_what_the_history_holds(result):
     assert "kN" in drawn["contact force"].get_ylabel()
     peak = f"{1e-3 * float(result.max_normal_force):.3g}"
     assert peak in [text.get_text() for text in drawn["contact force"].texts]
+
+
+def drawn_boxes(texts):
+    return [text.get_window_extent() for text in texts if text.get_text()]
+
+
+def test_numbers_stand_within_their_panel_and_beside_the_legend():
+    """Of a block that comes in up-slope too, whose T and rotation are negative."""
+    block, impact = Block(aspect_ratio=1.7, mass=1e5), Impact(angle=-1.2, speed=60.0)
+    axes = panels(recorded(block, Soil(), impact).plot())
+    assert axes["contact force"].get_ylabel() == "force [MN]"
+    axes["rotation"].figure.canvas.draw()
+    for name in ("contact force", "penetration", "rotation"):
+        frame = axes[name].get_window_extent()
+        numbers = drawn_boxes(axes[name].texts)
+        assert numbers, name
+        for box in numbers:
+            assert frame.y0 < box.y0 < box.y1 < frame.y1, name
+            words = drawn_boxes(axes[name].get_legend().get_texts())
+            assert not any(box.overlaps(of_word) for of_word in words), name
+
+
+def test_numbers_of_a_narrow_side_view_do_not_collide():
+    """Their places are those of the figure as it is drawn."""
+    view = recorded(Block(aspect_ratio=2.0), Soil(), SPINNING).plot()[-1]
+    view.figure.canvas.draw()
+    boxes = drawn_boxes(view.get_xticklabels())
+    between = [right.x0 - left.x1 for left, right in pairwise(boxes)]
+    assert len(between) >= 2
+    assert min(between) > boxes[0].height / 2  # half a letter's height
 
 
 def test_energy_fills_what_is_available(result):
@@ -193,6 +229,31 @@ def test_failed_impact_is_drawn_as_far_as_it_came(result, rows, tmp_path):
     )
     axes = failed.plot(tmp_path / "failed.png")
     assert "FAILED" in axes[0].figure.get_suptitle()
+
+
+@pytest.mark.parametrize(
+    ("collectors", "title"),
+    [(24, ""), (100, "24 of 100 collectors; the tables have all")],
+)
+def test_no_two_collectors_look_the_same(collectors, title):
+    shape = ("block", "collector")
+    values = np.linspace(1.0, 9.0, 3 * collectors).reshape(3, collectors)
+    columns = dict.fromkeys([name for name, _, _ in CURVES], (shape, values))
+    x = 10.0 + np.arange(collectors)
+    dataset = xr.Dataset(
+        columns | {"ending": ("block", ["stopped"] * 3)}, {"collector": x}
+    ).assign_attrs(title="many")
+    figure = draw_collectors({"law": dataset})
+    lines = figure.axes[0].lines
+    looks = {(line.get_color(), line.get_linestyle()) for line in lines}
+    assert len(looks) == len(lines) == 24
+    labels = [line.get_label() for line in lines]
+    assert [labels[0], labels[-1]] == [at_x(x[0]), at_x(x[-1])]
+    (legend,) = figure.legends
+    assert legend.get_title().get_text() == title
+    rows = draw_collectors({"one": dataset, "other": dataset}).axes
+    assert len(rows) == 24 * len(CURVES)
+    assert rows[-len(CURVES)].get_ylabel().startswith(f"{at_x(x[-1])}:")
 
 
 def test_many_scenes_are_refused(result):

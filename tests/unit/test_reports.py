@@ -42,8 +42,10 @@ def test_coordinates(value, shown):
 
 
 def test_names_of_places():
-    assert at_x(999999.4) == "x = 999999 m"
-    assert at_x(999999.7) == "x = 999999.7 m"
+    assert at_x(512345.6) == "x = 512345.6 m"
+    assert at_x(999999.4) == "x = 999999.4 m"
+    assert at_x(1234.567) == "x = 1234.57 m"
+    assert place_text(12345.6, 5) == "12345.6"
 
 
 def test_a_table_is_text_and_a_file_with_all_digits():

@@ -1,5 +1,7 @@
-"""Arguments of run-outs in Python that are refused, in one sentence."""
+"""Arguments of run-outs in Python: numbers of every kind, and what is refused, in one
+sentence."""
 
+from decimal import Decimal
 from pathlib import Path
 
 import jax
@@ -83,6 +85,27 @@ def test_paths(runs, arguments, words):
         runs.path(*arguments)
 
 
+def test_limits_and_paths_take_numbers_of_every_kind(runs):
+    again = simulate_runout(
+        PROFILE,
+        RELEASE,
+        LAW,
+        time_limit=Decimal(600),
+        event_limit=np.int16(10_000),
+        hop_threshold=Decimal(1),
+        width=np.uint8(2),
+    )
+    np.testing.assert_array_equal(again.x, runs.x)
+    samples, same = runs.path(2, 0.1), again.path(np.int8(2), Decimal("0.1"))
+    np.testing.assert_array_equal(samples["x"], same["x"])
+
+
+def test_more_blocks_than_the_type_of_the_width_can_count():
+    release = Release(Block(mass=np.full(300, 100.0)), x=2.0, y=42.0)
+    found = simulate_runout(PROFILE, release, LAW, width=np.uint8(200))
+    assert found.count_endings() == {"stopped": 300}
+
+
 @pytest.mark.parametrize("place", [np.nan, np.inf, [1.0, 2.0], "a"])
 def test_collectors(runs, place):
     with pytest.raises(InputError, match="x must be a"):
@@ -141,6 +164,17 @@ def test_edges_of_bins(runs, edges):
 def test_distributions(distribution, words):
     with pytest.raises(InputError, match=words):
         draw({"a": distribution}, 3, 0)
+
+
+def test_draws_take_numbers_of_every_kind():
+    half = Decimal("0.5")
+    found = draw({"a": Normal(half, half, Decimal(0))}, np.uint8(200), np.int8(3))
+    expected = draw({"a": Normal(0.5, 0.5, 0.0)}, 200, 3)
+    np.testing.assert_array_equal(found["a"], expected["a"])
+
+
+def test_a_seed_of_the_ground_is_a_number_of_python():
+    assert type(Ground(seed=np.uint8(3)).seed) is int
 
 
 def test_files_of_one_name_are_told_apart():

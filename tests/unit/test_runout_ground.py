@@ -24,6 +24,8 @@ from jaximpact.runout import (
 from jaximpact.runout.blocks import select
 from jaximpact.runout.flight.placement import lying_height
 from jaximpact.runout.random_inputs import philox
+from jaximpact.runout.study.drawing import drawn_grounds
+from jaximpact.runout.study.report_page import _grounds
 
 ELASTIC = ClosedForm(ConstantCoefficients(1.0, 1.0))
 HILLS = Profile([0.0, 40.0, 60.0, 110.0, 300.0], [70.0, 40.0, 42.0, 0.0, 0.0])
@@ -184,11 +186,11 @@ def test_ground_samples_change_no_other_number(slope, changed):
     np.testing.assert_array_equal(plain.release.x, varied.release.x)
     np.testing.assert_array_equal(plain.release.block.mass, varied.release.block.mass)
     drawn, ground = varied.inputs.ground_samples, varied.ground
-    assert set(drawn) == {"c_v", "roughness_deg", "segment_2_k_E"}
+    assert set(drawn) == {"c_v", "roughness_deg", "segment.2.k_E"}
     assert len(set(drawn["c_v"])) == 40
     np.testing.assert_array_equal(ground.soil.c_v, drawn["c_v"][:, None])
-    np.testing.assert_array_equal(drawn["segment_2_k_E"][:4], [600, 700, 800, 600])
-    np.testing.assert_array_equal(ground.soil.k_E[:, 1], drawn["segment_2_k_E"])
+    np.testing.assert_array_equal(drawn["segment.2.k_E"][:4], [600, 700, 800, 600])
+    np.testing.assert_array_equal(ground.soil.k_E[:, 1], drawn["segment.2.k_E"])
     np.testing.assert_array_equal(ground.soil.k_E[:, [0, 2]], 900.0)
     rolling = np.degrees(ground.rolling_friction_angle)
     np.testing.assert_allclose(rolling, [20.0, 9.0, 20.0])
@@ -203,6 +205,14 @@ def test_a_segment_has_its_own_beside_samples(changed):
     c_v = study.ground.soil.c_v
     np.testing.assert_array_equal(c_v[:, 1], 0.9)
     np.testing.assert_array_equal(c_v[:, 2], study.inputs.ground_samples["c_v"])
+    assert _grounds(study).rows == [
+        ("0", "50", "c_v random"),
+        ("50", "80", "c_v = 0.9"),
+        ("80", "200", "c_v random"),
+    ]
+    inputs = study.inputs
+    drawn = drawn_grounds(study.profile, inputs.materials, inputs.random_ground)
+    assert drawn.words == ["c_v random", "c_v = 0.9"]
 
 
 def test_roughness_alone_is_chance(slope, changed):

@@ -10,6 +10,7 @@ from jaximpact import read_netcdf
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.runout import read_profile, read_slope_study
+from jaximpact.runout.study.run_study import inputs_of
 
 SLOPE = slope_text(
     ground="""
@@ -60,7 +61,7 @@ def test_a_range_cuts_the_segment_in_which_it_begins(slope):
         np.degrees(study.ground.rolling_friction_angle), [20, 20, 32, 32]
     )
     assert study.release.count == 1000
-    drawn = study.inputs.ground_samples["materials_scree_gamma_v"]
+    drawn = study.inputs.ground_samples["materials.scree.gamma_v"]
     np.testing.assert_array_equal(soil.gamma_v[:, 0], drawn)
     np.testing.assert_array_equal(soil.gamma_v[:, 1], drawn)
     np.testing.assert_array_equal(soil.gamma_v[:, 2:], 8.7)
@@ -89,15 +90,40 @@ def test_names_of_materials_have_the_letters_of_any_language(slope, changed):
     named = changed(*RANGES, (POINTS, 'csv = "p.csv"'), (".scree", '."Geröll"'))
     study = read_slope_study(named)
     assert study.inputs.materials == ("Geröll", "Geröll", "meadow")
-    assert [*study.inputs.ground_samples] == ["materials_Geröll_gamma_v"]
+    assert [*study.inputs.ground_samples] == ["materials.Geröll.gamma_v"]
+
+
+def test_variables_are_named_by_quantity_whatever_the_material_is_called(changed):
+    random = ("k_E = 300", "friction_angle_deg = { from = 28, to = 35 }")
+    study = read_slope_study(changed((".meadow", ".rolling"), random))
+    variables = inputs_of(study)
+    names = [name for name in variables if name.startswith("ground_")]
+    assert names == [
+        "ground_materials_scree_gamma_v",
+        "ground_materials_rolling_friction_angle_deg",
+    ]
+    _, values, about = variables[names[1]]
+    assert about["long_name"] == "friction angle phi' of materials rolling"
+    assert 28.0 <= np.min(values) < np.max(values) <= 35.0
+
+
+def test_materials_whose_variables_would_have_one_name_are_refused(changed):
+    study = changed(
+        (".meadow", ".scree_rolling"),
+        ("k_E = 300", "friction_angle_deg = { from = 28, to = 35 }"),
+        ("c_v = 0.5", "rolling_friction_angle_deg = { from = 18, to = 25 }"),
+    )
+    words = "materials.scree_rolling.friction_angle_deg: and ground.materials.scree."
+    with pytest.raises(InputError, match=words):
+        read_slope_study(study)
 
 
 def test_samples_are_those_of_the_study_without_cuts(slope, changed):
     by_range = read_slope_study(slope)
     by_column = read_slope_study(changed(*RANGES, (POINTS, 'csv = "p.csv"')))
     np.testing.assert_array_equal(
-        by_range.inputs.ground_samples["materials_scree_gamma_v"],
-        by_column.inputs.ground_samples["materials_scree_gamma_v"],
+        by_range.inputs.ground_samples["materials.scree.gamma_v"],
+        by_column.inputs.ground_samples["materials.scree.gamma_v"],
     )
 
 
@@ -121,7 +147,7 @@ def test_the_command_names_materials(slope, changed, tmp_path):
     assert not set(",;:()") & set("".join(names))
     study = read_slope_study(slope)
     np.testing.assert_array_equal(
-        drawn, study.inputs.ground_samples["materials_scree_gamma_v"]
+        drawn, study.inputs.ground_samples["materials.scree.gamma_v"]
     )
     np.testing.assert_array_equal(dataset.mass_kg, study.release.block.mass)
     assert 2.0 <= dataset.release_x_m.min() < dataset.release_x_m.max() <= 30.0

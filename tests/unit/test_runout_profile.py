@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 from error_messages import warned_once
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.path import Path
 from paths import ROOT
 from slope_study import slope_text
 
@@ -10,7 +13,8 @@ from jaximpact import Block, Soil
 from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.runout import Profile, Release, read_profile, read_slope_study
 from jaximpact.runout.flight.placement import check_release
-from jaximpact.runout.study.drawing import drawn_grounds
+from jaximpact.runout.study.drawing import _draw_ground, drawn_grounds
+from jaximpact.runout.trajectory_drawing import bottom_of
 
 
 def test_segments_descend_and_rise():
@@ -105,6 +109,7 @@ def test_empty_columns_of_a_file_are_passed_over(tmp_path):
         ("x_m,y_m\n0,9\n9,1e20\n", "row 3, column y_m: must be within 1e[+]08 m"),
         ("x_m,y_m\n0,9\n-9999,5\n9,0\n", "row 3, column x_m: is -9999 among 0 to 9"),
         ("x_m,y_m\n1,0\n0,0\n", "x goes from 1 to 0"),
+        ("x_m,y_m\n1,0\n", "at least two points, but got 1"),
         (
             "x_m,y_m,k_E\n0,0,-1\n1,0,1\n",
             "row 2, column k_E: must be above 0, but is -1",
@@ -140,6 +145,28 @@ def test_ground_in_another_unit_is_warned_of_where_a_study_reads_it(folder):
         read_profile(csv)
 
 
+@pytest.mark.parametrize(
+    ("heights", "said"),
+    [
+        (("1.120", "998", "950"), "row 2, column y_m: is 1.12 m; .* write 1120$"),
+        (("998", "1.009", "940.5"), None),  # digits that are no thousands
+        (("30.125", "12", "0"), None),
+        (("1.125", "0.998", "0"), None),
+        (("1120.000", "998", "950"), None),
+        (("1.120", "1.098", "1.050"), None),  # a small slope, as far as anyone knows
+        (("998", "950", "900"), None),
+    ],
+)
+def test_heights_with_points_that_separate_thousands_are_warned_of(
+    tmp_path, heights, said
+):
+    rows = [f"{100 * i},{y}" for i, y in enumerate(heights)]
+    path = tmp_path / "p.csv"
+    path.write_text("\n".join(["x_m,y_m", *rows]))
+    with warned_once(UnusualValueWarning, said):
+        read_profile(path)
+
+
 def test_the_measured_profile_of_the_repository_is_a_study():
     profile = read_slope_study(ROOT / "slopes/wallace-creek/study.toml").profile
     np.testing.assert_array_equal(profile.x, np.arange(0.0, 977.0, 2.0))
@@ -165,14 +192,60 @@ def test_a_few_grounds_are_drawn_one_by_one_and_many_in_classes():
 
 def test_grounds_are_named_by_material_and_by_what_is_alike_for_all_blocks():
     profile = Profile([0, 1, 2, 3], [3, 2, 1, 0], Soil(c_v=0.5, k_E=[900, 500, 900]))
-    drawn = drawn_grounds(profile, ("scree", "meadow", ""), {"k_E"})
+    everywhere = {"k_E": np.ones(3, bool)}
+    drawn = drawn_grounds(profile, ("scree", "meadow", ""), everywhere)
     assert drawn.number == [0, 1, 2]
     assert drawn.words == ["scree", "meadow", "one ground"]
-    assert drawn_grounds(profile, (), {"k_E"}).words == ["one ground"]
+    assert drawn_grounds(profile, (), everywhere).words == ["one ground"]
     assert drawn_grounds(profile, ("scree", "meadow", "scree")).words == [
         "scree, k_E = 900",
         "meadow, k_E = 500",
     ]
+
+
+@pytest.mark.parametrize("segments", [3, 24])
+def test_grounds_are_drawn_apart_where_a_quantity_is_random_on_some(segments):
+    """One by one, and in classes of many."""
+    c_v = np.linspace(0.4, 0.9, segments)
+    profile = Profile(np.arange(segments + 1.0), np.zeros(segments + 1), Soil(c_v=c_v))
+    first = {"c_v": np.arange(segments) < 1}
+    drawn = drawn_grounds(profile, (), first)
+    words = [drawn.words[number] for number in drawn.number]
+    assert words[0] == "c_v random"
+    assert words.count("c_v random") == 1
+    assert words[-1] == ("c_v = 0.9" if segments == 3 else "c_v = 0.804 to 0.9")
+    assert len(set(drawn.colours)) == len(drawn.colours) == len(set(words))
+
+
+def test_the_ground_is_drawn_by_few_artists_that_fill_all_segments():
+    """One for each colour: one for each segment took 2 ms, and 10 s for 4000."""
+    profile = Profile(
+        np.arange(25.0), 0.1 * np.arange(25) ** 2, Soil(c_v=[0.5, 0.5, 0.9, 0.7] * 6)
+    )
+    drawn = drawn_grounds(profile)
+    axes = Figure().subplots()
+    _draw_ground(axes, profile, drawn)
+    assert len(axes.collections) == len(drawn.colours) == 3
+    below = [(x, profile.height(x) - 0.01) for x in np.arange(0.5, 24.0)]
+    above = [(x, profile.height(x) + 0.01) for x in np.arange(0.5, 24.0)]
+    for ground, filled in enumerate(axes.collections):
+        assert to_hex(filled.get_facecolor()[0]) == drawn.colours[ground]
+        shape = Path.make_compound_path(*filled.get_paths())
+        inside = shape.contains_points(below).tolist()
+        assert inside == [number == ground for number in drawn.number]
+        assert not np.any(shape.contains_points(above))
+    low, high = axes.get_ylim()
+    assert low < bottom_of(profile) < profile.y.max() < high
+
+
+def test_many_grounds_without_known_differences_have_one_colour():
+    profile = Profile(np.arange(11.0), np.zeros(11), Soil(c_v=0.5))
+    materials = [f"m{i}" for i in range(10)]
+    for random in ({}, {"c_v": np.arange(10) < 5}, {"c_v": np.ones(10, bool)}):
+        drawn = drawn_grounds(profile, materials, random)
+        assert drawn.words == ["10 grounds without known differences"]
+        assert drawn.number == [0] * 10
+        assert len(drawn.colours) == 1
 
 
 X, Y = np.array([0.0, 100.0, 200.0, 400.0, 1000.0]), np.array([230.0, 170, 115, 0, 0])

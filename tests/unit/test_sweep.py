@@ -5,6 +5,7 @@ import itertools
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -119,6 +120,14 @@ def test_a_journal_is_taken_up(dataset, tmp_path):
 
 
 @pytest.mark.parametrize(
+    "kind", [pd.DataFrame, lambda of: pd.DataFrame(of).to_xarray()]
+)
+def test_quantities_that_vary_together_may_be_a_table(dataset, kind):
+    tables = AXES | {"ground": kind(AXES["ground"])}
+    xr.testing.assert_identical(sweep(BASE, tables), dataset)
+
+
+@pytest.mark.parametrize(
     ("axes", "message"),
     [
         ({}, "needs at least one axis"),
@@ -132,6 +141,7 @@ def test_a_journal_is_taken_up(dataset, tmp_path):
         ({"g": {"gamma": [1.0]}}, "axis g: gamma is unknown; did you mean gamma_v"),
         ({"g": {"name": ["a"]}}, "varies no quantity"),
         ({3: {"c_v": [1.0]}}, r"name of an axis must be of type str, but is 3 \(int"),
+        ({"": {"c_v": [1.0]}}, "name of an axis must have a letter, but is ''"),
         ({"e_n": {"c_v": [1.0]}}, "e_n is a quantity"),
         ({"c_v": [1.0], "g": {"c_v": [1.0]}}, "c_v already varies along c_v"),
     ],
@@ -146,7 +156,8 @@ def test_points_that_fail_are_named_and_nan():
     impossible = Accuracy("impossible", 1e-300, 1e-300)
     dataset = sweep(Scene(), {"angle_deg": [0.0, 30.0]}, accuracy=impossible)
     assert set(dataset.outcome.values) == {"failed"}
-    assert np.all(np.isnan(dataset.e_n))
+    numbers = dataset.drop_vars("outcome").data_vars
+    assert [n for n, of in numbers.items() if not np.all(np.isnan(of))] == ["steps"]
     assert json.loads(dataset.attrs["outcomes"]) == {"failed": 2}
 
 

@@ -101,8 +101,8 @@ def estimate_discrepancy(
     objective: Objective, points: Points, uncertainty: Uncertainty
 ) -> Discrepancy | None:
     """Estimate the discrepancy of a fit (points of one lane) with the objective that
-    has its sigmas; None where speed, size and angle all have fewer than three
-    values."""
+    has its sigmas; None where speed, size and angle all have fewer than three values
+    in tests with exact measurements."""
     study = objective.study
     places = places_of(study.tests, study.stated)
     groups = thirds(places, np.any(study.exact, axis=1))
@@ -174,8 +174,9 @@ def in_words(discrepancy: Discrepancy | None) -> str:
     know."""
     if discrepancy is None:
         return (
-            "Discrepancy is unknown: neither speed nor size nor angle has three values "
-            "in the fitted tests. Outside them the intervals are too narrow."
+            "Discrepancy is unknown: an estimate needs three values of speed, size or "
+            "angle in fitted tests with measurements that are not limits. Outside the "
+            "fitted tests the intervals are too narrow."
         )
     return (
         f"Discrepancy is estimated from {discrepancy.left_out} measurements left out "

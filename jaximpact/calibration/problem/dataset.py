@@ -124,11 +124,17 @@ class Measurements:
 
     @property
     def repeated(self) -> list[tuple[int, int]]:
-        """Pairs of tests that are the same in all columns, each with the first such."""
+        """Pairs of tests that are the same in all columns, each with the first such; a
+        campaign that no table states is none."""
         columns = [*self.inputs.values(), *self.measured.values()]
         columns += [*self.censored.values(), *self.sigmas.values()]
         numbers = np.stack(columns, axis=1)
-        texts = zip(self.shapes, *self.labels.values(), strict=True)
+        # The copy of a file is no campaign of its own.
+        campaigns = _chained(
+            table.labels.get(CAMPAIGN, [""] * len(table.rows)) for table in self.files
+        )
+        labels = self.labels | {CAMPAIGN: campaigns}
+        texts = zip(self.shapes, *labels.values(), strict=True)
         first: dict[tuple, int] = {}
         # NaN is not equal to itself, its bits are.
         same = [

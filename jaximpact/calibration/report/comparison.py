@@ -9,10 +9,11 @@ from ...reports.tables import Table, listed
 from ..comparison.comparison import Compared, GroupScores
 from ..comparison.ranking import ERRORS, FEWEST_UNITS, SMALL_DIFFERENCE, Ranking
 from ..problem.config import Variant
+from ..problem.dataset import LIMITS
 
 CSV_COLUMNS = (
-    *("compared_on", "law", "row", "test", "log_density", "target", "measured"),
-    *("left_out", "left_out_deviation"),
+    *("compared_on", "law", "row", "file", "test", "log_density", "target", "limit"),
+    *("measured", "left_out", "left_out_deviation"),
 )
 RULE = (
     f"Two laws tie where their scores differ by less than {ERRORS:g} standard errors, "
@@ -248,18 +249,23 @@ def comparison_csv(compared: Compared) -> str:
     """Write a line for each law and each measurement.
 
     `log_density` is that of all targets of a test that are compared, and stands in
-    every line of it; `compared_on` names them.
+    every line of it; `compared_on` names them. `row`, `file`, `test` and `limit` are
+    those of fitted.csv.
     """
-    rows = [
-        (
-            *(" ".join(one.study.targets), law.name),
-            *(test + 1, one.study.tests.name(int(test)), law.left_out.density[test]),
-            *(one.study.targets[target], one.study.measured[test, target]),
-            law.left_out.predicted[test, target],
-            law.left_out.deviation[test, target],
-        )
-        for one in compared.parts
-        for law in one.laws
-        for test, target in zip(*np.nonzero(one.study.known), strict=True)
-    ]
+    rows = []
+    for one in compared.parts:
+        study, files = one.study, one.study.tests.file_names
+        rows += [
+            (
+                *(" ".join(study.targets), law.name, line, files[path]),
+                *(study.tests.name(test), law.left_out.density[test]),
+                *(study.targets[target], LIMITS[int(study.censored[test, target])]),
+                study.measured[test, target],
+                law.left_out.predicted[test, target],
+                law.left_out.deviation[test, target],
+            )
+            for law in one.laws
+            for test, target in zip(*np.nonzero(study.known), strict=True)
+            for path, line in [study.tests.place(test)]
+        ]
     return Table(CSV_COLUMNS, rows).csv()

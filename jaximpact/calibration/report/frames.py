@@ -11,6 +11,7 @@ from ...quantities import TARGET_COLUMNS, columns_of
 from ..diagnostics.examination import Examination
 from ..diagnostics.results import StudyResult, VariantResult
 from ..prediction import PredictedTests
+from ..problem.dataset import LIMITS
 from .files import fitted_table
 from .prediction import prediction_table
 
@@ -128,6 +129,7 @@ def dataset_of(fit: Fit) -> "xr.Dataset":
             "correlation": (("parameter", "with"), _correlation(fit).to_numpy()),
             "draws": (("draw", "parameter"), variant.bounds.parameter(draws.x)),
             "weight": ("draw", diagnostics.weights),
+            "limit": (cells, [[LIMITS[int(c)] for c in row] for row in study.censored]),
             "measured": (cells, study.measured),
             "fitted": (cells, variant.predicted),
             "sigma": (cells, variant.sigma),

@@ -151,8 +151,10 @@ def remarks_on(
 
 def _about_discrepancy(variant: VariantPrediction) -> list[str]:
     """Say how much of the intervals is discrepancy, and what it was estimated from."""
-    words, there = in_words(variant.fitted.discrepancy), variant.sigma > 0.0
-    if variant.fitted.discrepancy is None or not np.any(there):
+    words = in_words(variant.fitted.discrepancy)
+    there = np.isfinite(variant.middle) & (variant.sigma > 0.0)
+    there &= variant.discrepancy > 0.0  # known
+    if not np.any(there):
         return [words]
     square = variant.discrepancy[there] ** 2
     part = 100.0 * square / (square + variant.sigma[there] ** 2)

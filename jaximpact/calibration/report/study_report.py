@@ -193,6 +193,8 @@ def _residuals(
     result: StudyResult, variant: VariantResult, diagnostics: Examination
 ) -> list[Part]:
     studentised = diagnostics.residuals
+    if not np.any(result.study.exact):
+        return ["None: only limits are known, which have no residuals."]
     if not np.any(np.isfinite(studentised.values)):
         return [
             "None: the fit passes through every measurement, whatever it is (leverage "

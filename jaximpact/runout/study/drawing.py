@@ -1,13 +1,14 @@
 """Drawings of a run-out study."""
 
 import itertools
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -16,6 +17,7 @@ from ...plotting.style import (
     BLUE,
     COLOURS,
     GREY,
+    MOST_CURVES,
     ORANGE,
     SOIL,
     VERMILION,
@@ -27,7 +29,7 @@ from ...plotting.style import (
     plain,
 )
 from ...reports.tables import at_x, place_text
-from ..terrain import Profile, ground_columns, ground_values
+from ..terrain import Profile, ground_columns, ground_values, stretches
 from ..trajectory import Runs
 from ..trajectory_drawing import add_trajectories, bottom_of, height_of
 from .results import edges_of, stops_of, valid_blocks
@@ -46,6 +48,8 @@ ENVELOPES = (
 """Quantities along the profile: variable, label and factor."""
 GROUNDS = (SOIL, "#c9b99a", "#dfe3d3", "#b8c4bb", "#e6cfc3", "#a89f91")
 """Colours of the segments' grounds, in the order in which they come."""
+RANDOM = GROUNDS[3]
+"""Colour of ground whose classes are by what differs from block to block on it."""
 CLASSES = 5
 """Number of classes of a quantity of the ground that varies along the profile."""
 
@@ -122,16 +126,20 @@ def draw_stops(dataset: xr.Dataset) -> Figure:
 def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
     """Draw the exceedance at each collector: the fraction of all blocks that did not
     fail whose first passage exceeds a value. A curve starts at the fraction that
-    passes. Of several laws, each collector has a row."""
+    passes. Of several laws, each collector has a row. Of more collectors than curves
+    can be told apart, so many are drawn, from the first to the last."""
     first, several = next(iter(datasets.values())), len(datasets) > 1
-    collectors = [at_x(x) for x in first.collector.values]
+    count = first.sizes["collector"]
+    places = np.linspace(0, count - 1, min(count, MOST_CURVES)).round().astype(int)
+    collectors = [at_x(x) for x in first.collector.values[places]]
     if several:
         rows = [
             [(law, dataset, place) for law, dataset in datasets.items()]
-            for place in range(len(collectors))
+            for place in places
         ]
     else:
-        rows = [[(words, first, place) for place, words in enumerate(collectors)]]
+        named = zip(collectors, places, strict=True)
+        rows = [[(words, first, place) for words, place in named]]
     figure, axes = panels(
         *(len(rows), len(CURVES)),
         height=2.4 if several else 3.2,
@@ -151,7 +159,9 @@ def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
     for panel in axes:
         panel.set_xlim(left=0.0)
         panel.set_ylim(0.0, 1.02)
-    legend_outside(figure, axes[0].lines, ncols=3)
+    some = f"{len(places)} of {count} collectors; the tables have all"
+    title = some if len(places) < count else None
+    legend_outside(figure, axes[0].lines, ncols=3, title=title)
     return figure
 
 
@@ -205,11 +215,19 @@ def _finish_envelopes(
 def _draw_ground(axes: Axes, profile: Profile, drawn: "DrawnGrounds") -> list[Patch]:
     """Draw the profile, segments of different ground in different colours, and give the
     entries of a legend."""
-    for segment, ground in enumerate(drawn.number):
-        ends, colour = slice(segment, segment + 2), drawn.colours[ground]
-        x, y, bottom = profile.x[ends], profile.y[ends], bottom_of(profile)
+    surface, bottom = np.stack([profile.x, profile.y], axis=1), bottom_of(profile)
+    for ground, colour in enumerate(drawn.colours):
+        areas = [
+            [
+                (profile.x[start], bottom),
+                *surface[start : stop + 1],
+                (profile.x[stop], bottom),
+            ]
+            for start, stop in stretches(np.equal(drawn.number, ground))
+        ]
         # An edge, or pale gaps show between the cells of a ground that varies.
-        axes.fill_between(x, y, bottom, facecolor=colour, ec=colour, lw=0.3)
+        filled = PolyCollection(areas, facecolor=colour, ec=colour, lw=0.3)
+        axes.add_collection(filled)
     axes.plot(profile.x, profile.y, color="black", lw=1.0)
     entries = [
         Patch(color=colour, label=f"ground: {words}")
@@ -227,69 +245,99 @@ class DrawnGrounds(NamedTuple):
 
 
 def drawn_grounds(
-    profile: Profile, materials: Sequence[str] = (), random: Collection[str] = ()
+    profile: Profile,
+    materials: Sequence[str] = (),
+    random: Mapping[str, np.ndarray] | None = None,
 ) -> DrawnGrounds:
     """Choose colours and words for the grounds of a profile, by `grounds_of`.
 
     Where there are more than there are colours, as on a ground that varies along the
-    way, they are drawn in classes of equal width of the quantity that varies most.
+    way, they are drawn in classes of equal width of the quantity that varies most, and
+    a class where that is random.
     """
+    random = random or {}
     number, descriptions = grounds_of(profile, materials, random)
-    if len(descriptions) <= len(GROUNDS):
-        words = [", ".join(words[:3]) or "one ground" for words in descriptions]
-        return DrawnGrounds(number, list(GROUNDS[: len(descriptions)]), words)
-    names, values = _ground_values(profile, random)
-    spread = np.std(values, axis=0) / np.maximum(np.mean(np.abs(values), axis=0), 1e-12)
-    most = int(np.argmax(spread))
-    edges = np.linspace(values[:, most].min(), values[:, most].max(), CLASSES + 1)
+    if len(descriptions) > len(GROUNDS):
+        classes = _classes(*_ground_values(profile, random))
+        alike = f"{len(descriptions)} grounds without known differences"
+        return classes or DrawnGrounds([0] * len(number), [SOIL], [alike])
+    words = [", ".join(words[:3]) or "one ground" for words in descriptions]
+    return DrawnGrounds(number, list(GROUNDS[: len(descriptions)]), words)
+
+
+def _classes(names: list[str], values: np.ndarray) -> DrawnGrounds | None:
+    """Divide ground, with names and values as `_ground_values` gives them; None where
+    all known values are the same."""
+    known = np.ma.masked_invalid(values)
+    spread = known.std(axis=0) / np.ma.maximum(abs(known).mean(axis=0), 1e-12)
+    most = int(np.argmax(spread.filled(0.0)))
+    known = known[:, most]
+    if not known.max() > known.min():
+        return None
+    edges = np.linspace(known.min(), known.max(), CLASSES + 1)
     place = np.searchsorted(edges, values[:, most], "right") - 1
+    place = np.clip(place, 0, CLASSES - 1)
     # Pale colours of the map: trajectories must be seen on them.
     shades = colormaps["YlOrBr"](np.linspace(0.1, 0.55, CLASSES))
+    colours = [to_hex(shade) for shade in shades]
     words = [
         f"{names[most]} = {low:.3g} to {high:.3g}"
         for low, high in itertools.pairwise(edges)
     ]
-    number = np.clip(place, 0, CLASSES - 1).tolist()
-    return DrawnGrounds(number, [to_hex(shade) for shade in shades], words)
+    is_random = np.isnan(values[:, most])
+    if np.any(is_random):
+        place[is_random] = CLASSES
+        colours.append(RANDOM)
+        words.append(f"{names[most]} random")
+    return DrawnGrounds(place.tolist(), colours, words)
 
 
 def grounds_of(
-    profile: Profile, materials: Sequence[str], random: Collection[str]
+    profile: Profile, materials: Sequence[str], random: Mapping[str, np.ndarray]
 ) -> tuple[list[int], list[list[str]]]:
     """Number the different grounds of a profile, in the order in which they come.
 
     Args:
         materials: material of each segment, "" for none.
-        random: quantities that differ from block to block, which the profile's values
-            do not say.
+        random: quantities that differ from block to block on some segments, where the
+            profile's values say nothing of them: by name, bool `(segments,)`.
 
     Returns:
         The number of each segment's ground, and for each ground its material, if it has
-        one, and the quantities in which grounds differ, such as "c_v = 0.5".
+        one, and the quantities in which grounds differ, such as "c_v = 0.5" or "c_v
+        random".
     """
     names, values = _ground_values(profile, random)
     known = list(materials or [""] * profile.segments)
     index = [known.index(material) for material in known]
     keys, first, number = np.unique(
-        np.column_stack([index, values]), axis=0, return_index=True, return_inverse=True
-    )
+        np.column_stack([index, np.where(np.isnan(values), np.inf, values)]),
+        axis=0,
+        return_index=True,
+        return_inverse=True,
+    )  # NaN would be unlike itself.
     order = list(dict.fromkeys(number.ravel().tolist()))
     differing = np.flatnonzero(np.any(keys[:, 1:] != keys[0, 1:], axis=0))
     descriptions = [
         [known[first[ground]]] * bool(known[first[ground]])
-        + [f"{names[i]} = {values[first[ground], i]:g}" for i in differing]
+        + [_value_words(names[i], values[first[ground], i]) for i in differing]
         for ground in order
     ]
     return [order.index(ground) for ground in number.ravel().tolist()], descriptions
 
 
+def _value_words(name: str, value: float) -> str:
+    return f"{name} random" if np.isnan(value) else f"{name} = {value:g}"
+
+
 def _ground_values(
-    profile: Profile, random: Collection[str]
+    profile: Profile, random: Mapping[str, np.ndarray]
 ) -> tuple[list[str], np.ndarray]:
     """Give names and values, `(segments, quantities)` in the units of the names, of the
-    ground's quantities that are not random."""
-    columns = ground_columns(profile.soil)
-    names = [name for name in columns if name not in random]
-    values = ground_values(profile)
-    in_units = [values[name] / columns[name].factor for name in names]
-    return names, np.stack(in_units, axis=1)
+    ground's quantities; NaN where they are random."""
+    columns, values = ground_columns(profile.soil), ground_values(profile)
+    in_units = [
+        np.where(random.get(name, False), np.nan, values[name] / column.factor)
+        for name, column in columns.items()
+    ]
+    return [*columns], np.stack(in_units, axis=1)

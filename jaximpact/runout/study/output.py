@@ -21,7 +21,14 @@ from .barriers import barriers_in_json, effect_table, estimate_table, estimates_
 from .intervals import DIFFERS, Percentile, is_apart
 from .map_files import names_of_map_files, write_map_files
 from .report_page import slope_report
-from .results import counts_of, second_of, stops_of, valid_blocks
+from .results import (
+    RUN_LEFT,
+    counts_of,
+    run_left,
+    second_of,
+    stops_of,
+    valid_blocks,
+)
 from .run_study import PERCENTILES, simulate
 from .second_run import kinematics_of, note
 from .slope_file import SlopeStudy
@@ -205,13 +212,18 @@ def comparison_report(
     endings = [e for e in map(str, Ending) if any(e in of for of in counts.values())]
     rows = []
     for law, dataset in datasets.items():
-        stops = (place_text(v, 5) for v in _stop_percentiles(dataset))
+        *stops, last = _stop_percentiles(dataset)
+        if run_left(dataset):
+            last = stops_of(dataset).min()
+        places = (place_text(x, 5) for x in (*stops, last))
         ended = (counts[law].get(ending, 0) for ending in endings)
-        rows.append((law, *ended, _percentile(dataset, "impacts", 50), *stops))
+        rows.append((law, *ended, _percentile(dataset, "impacts", 50), *places))
     heads = ("impacts", *(f"{p} %" for p in PERCENTILES), "farthest")
     lines = [f"The same {first.sizes['block']} blocks by {len(datasets)} laws."]
     if str(Ending.failed) in endings:
         lines.append("Blocks that failed are in no number but their count.")
+    if any(map(run_left, datasets.values())):
+        lines.append(RUN_LEFT)
     for law, dataset in datasets.items():
         lines += [f"{law}: {line}" for line in note(dataset)]
     answer: list[Part] = [

@@ -54,8 +54,14 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
     """Collect the drawing of the profile, with the trajectories to draw: paths, colours
     and the scale."""
     profile, inputs = study.profile, study.inputs
+    barriers = [
+        (b.x, ground := float(profile.height(b.x)), ground + b.height)
+        for b in study.settings.barriers
+    ]
     finite = runs.pieces.y[np.isfinite(runs.pieces.y)]
-    units = Units(profile, float(np.max(finite, initial=profile.y.max())))
+    tops = [top for *_, top in barriers]
+    heights = np.concatenate([finite, tops])
+    units = Units(profile, float(np.max(heights, initial=-np.inf)))
     speeds, shown = _trajectories(runs, units)
     drawn = drawn_grounds(profile, inputs.materials, inputs.random_ground)
     known = np.isfinite(runs.x[:shown]) & np.isfinite(runs.y[:shown])
@@ -83,12 +89,7 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
             _vertical(units, x, units.y, units.y + units.height)
             for x in study.settings.collectors
         ],
-        "barriers": [
-            _vertical(
-                units, b.x, ground := float(profile.height(b.x)), ground + b.height
-            )
-            for b in study.settings.barriers
-        ],
+        "barriers": [_vertical(units, *barrier) for barrier in barriers],
     }
 
 

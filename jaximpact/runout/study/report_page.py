@@ -33,7 +33,14 @@ from .intervals import (
 )
 from .map_files import NO_MAP
 from .page_data import QUANTITIES, page_curves, page_profile
-from .results import counts_of, second_of, stops_of, valid_blocks
+from .results import (
+    RUN_LEFT,
+    counts_of,
+    run_left,
+    second_of,
+    stops_of,
+    valid_blocks,
+)
 from .run_study import PERCENTILES, inputs_of
 from .second_run import PASSAGES, energy_table, note
 from .slope_file import SlopeStudy
@@ -83,11 +90,10 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         "has_collectors": bool(len(study.settings.collectors)),
         "data": _data(study, dataset, drawing["scale"]),
     }
-    alike = "Ground along the profile, where it is alike for all blocks"
     settings = [
         _settings(study),
         ReportSection("Blocks and releases", [_inputs(study)]),
-        ReportSection(alike, [_grounds(study)]),
+        ReportSection("Ground along the profile", [_grounds(study)]),
     ]
     sections = [
         ReportSection(
@@ -166,7 +172,7 @@ def _summary(
     lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {counts}."]
     stopped = stops_of(dataset)
     if len(stopped):
-        left = _run_left(dataset)
+        left = run_left(dataset)
         percent, word = (5, "beyond") if left else (95, "before")
         ends = percentile_interval(stopped, percent)
         lines.append(
@@ -191,13 +197,6 @@ def _counts_at(by_name: Mapping[str, Estimate]) -> str:
     arrive = by_name["share_arriving"].count
     over, broken = (by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken"))
     return f"{arrive} blocks arrive, {over} pass over, and {broken} break"
-
-
-def _run_left(dataset: xr.Dataset) -> bool:
-    """Tell whether most blocks that stopped did so to the left of their release."""
-    stopped = dataset.ending.values == str(Ending.stopped)
-    way = (dataset.x_m.values - dataset.release_x_m.values)[stopped]
-    return bool(len(way) and np.median(way) < 0.0)
 
 
 def _stop_beside(dataset: xr.Dataset, ends: tuple[float, float], percent: int) -> str:
@@ -235,12 +234,8 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             "The angle of rolling friction is its default, 20°: an assumption, unless "
             "it was measured."
         )
-    if _run_left(dataset):
-        lines.append(
-            "Blocks run to the left. Percentiles of x in tables and drawings are "
-            "counted from the left, so that the 5 % value, and not that of 95 %, lies "
-            "far down the slope: mirror the profile to have it as usual."
-        )
+    if run_left(dataset):
+        lines.append(RUN_LEFT)
     failed = endings.get(str(Ending.failed), 0)
     if failed:
         lines.append(f"{failed} blocks failed, and are in no number but their count.")
@@ -396,7 +391,7 @@ def _inputs(study: SlopeStudy) -> Table:
 
 
 def _grounds(study: SlopeStudy) -> Table:
-    """Write the stretches of ground that is alike for all blocks, 40 at most."""
+    """Write the stretches of one ground each, 40 at most."""
     inputs, x = study.inputs, study.profile.x
     number, descriptions = grounds_of(
         study.profile, inputs.materials, inputs.random_ground

@@ -9,6 +9,12 @@ from ..trajectory import Ending
 
 PREFIX = "second_run_"
 """Begins the names of what the second run gives, among the variables of a dataset."""
+RUN_LEFT = (
+    "Blocks run to the left. Percentiles of x in tables and drawings are counted from "
+    "the left, so that the 5 % value, and not that of 95 %, lies far down the slope: "
+    "mirror the profile to have it as usual."
+)
+"""What readers must know of a slope that descends to the left."""
 
 
 def valid_blocks(dataset: xr.Dataset) -> np.ndarray:
@@ -19,6 +25,13 @@ def valid_blocks(dataset: xr.Dataset) -> np.ndarray:
 def stops_of(dataset: xr.Dataset) -> np.ndarray:
     """Find x where blocks stopped [m]."""
     return dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+
+
+def run_left(dataset: xr.Dataset) -> bool:
+    """Tell whether most blocks that stopped did so to the left of their release."""
+    stopped = dataset.ending.values == str(Ending.stopped)
+    way = (dataset.x_m.values - dataset.release_x_m.values)[stopped]
+    return bool(len(way) and np.median(way) < 0.0)
 
 
 def counts_of(dataset: xr.Dataset) -> dict[str, int]:

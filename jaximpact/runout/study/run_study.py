@@ -46,7 +46,7 @@ from .second_run import (
     kinematics_of,
     second_run_of,
 )
-from .slope_file import SlopeStudy
+from .slope_file import SlopeStudy, variable_of_ground
 
 BLOCK_NUMBERS = {
     "x_m": ("m", "x at the end, of the centre; nan where a contact failed"),
@@ -505,15 +505,13 @@ def _releases_of(release: Release) -> Variables:
 def _ground_of(study: SlopeStudy) -> Variables:
     """List the samples of the ground, in the units of the names."""
     variables, columns = {}, ground_columns(study.ground.soil)
-    for name, values in study.inputs.ground_samples.items():
-        # Of all columns that a name may end with, the longest.
-        ends = [c for c in columns if f"_{name}".endswith(f"_{c}")]
-        column = columns[max(ends, key=len)]
-        part = name.removesuffix(column.name).removesuffix("_")
-        where = part.replace("_", " ", 1) or "the ground"
+    for key, values in study.inputs.ground_samples.items():
+        *part, name = key.split(".")
+        column = columns[name]
         words = variable_attributes(column.meaning)["long_name"]
-        meaning = f"{words} of {where}"
-        variables[f"ground_{name}"] = _variable("block", values, column.unit, meaning)
+        meaning = f"{words} of {' '.join(part) or 'the ground'}"
+        variable = variable_of_ground(f"ground.{key}")
+        variables[variable] = _variable("block", values, column.unit, meaning)
     return variables
 
 

@@ -21,7 +21,7 @@ from ..contacts.contact_models import FullModel
 from ..trajectory import NOTABLE_E_N
 from .barriers import DESIGN_PERCENTILES, DESIGN_QUANTITIES, estimates_of
 from .intervals import DIFFERS, Percentile, is_apart
-from .results import second_of, stops_of, valid_blocks
+from .results import run_left, second_of, stops_of, valid_blocks
 from .slope_file import SlopeStudy
 
 LEFT_OUT = "it was turned off"
@@ -83,7 +83,8 @@ def differences(dataset: xr.Dataset) -> list[str]:
     if (second := second_of(dataset)) is None:
         return []
     kinematics, other = second
-    pairs = zip(design_values(dataset), design_values(other), strict=True)
+    left = run_left(dataset)
+    pairs = zip(design_values(dataset, left), design_values(other, left), strict=True)
     return [
         f"{a.words}: {_value_text(a)}, but {_value_text(b)} by {kinematics}."
         for a, b in pairs
@@ -98,9 +99,9 @@ def _value_text(value: DesignValue) -> str:
     return f"{write(value.percentile.value)} {value.unit} ({ends})"
 
 
-def design_values(dataset: xr.Dataset) -> Iterator[DesignValue]:
+def design_values(dataset: xr.Dataset, left: bool) -> Iterator[DesignValue]:
     """Yield the design values of a result: what comes to barriers, x where blocks
-    stopped, and what passes collectors."""
+    stopped, which run to the left or to the right, and what passes collectors."""
     for barrier, estimates, *_ in estimates_of(dataset):
         for name, (_, unit, _, words) in DESIGN_QUANTITIES.items():
             for percent in DESIGN_PERCENTILES:
@@ -108,8 +109,9 @@ def design_values(dataset: xr.Dataset) -> Iterator[DesignValue]:
                 words_here = f"{words} at {barrier.name}, {percent} %"
                 yield DesignValue(words_here, unit, percentile)
     for percent in DESIGN_PERCENTILES:
-        words_here = f"x by which {percent} % of the blocks stopped"
-        yield DesignValue(words_here, "m", Percentile.of(stops_of(dataset), percent))
+        way, from_left = ("beyond", 100 - percent) if left else ("by", percent)
+        words_here = f"x {way} which {percent} % of the blocks stopped"
+        yield DesignValue(words_here, "m", Percentile.of(stops_of(dataset), from_left))
     valid = valid_blocks(dataset)
     places = dataset.collector.values if "collector" in dataset.sizes else ()
     for place, x in enumerate(places):

@@ -1,7 +1,7 @@
 """Run-out study from a TOML file."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -84,9 +84,10 @@ class StudyInputs(NamedTuple):
     JSON."""
     ground_samples: dict[str, np.ndarray]
     """Quantities of the ground that differ from block to block, `(blocks,)`, in the
-    units of the names: those of a segment as `segment_2_c_v`."""
-    random_ground: frozenset[str]
-    """Names of the quantities of the ground that differ from block to block."""
+    units of the names, by their keys under [ground]: of a segment `segment.2.c_v`."""
+    random_ground: dict[str, np.ndarray]
+    """Quantities of the ground that differ from block to block, by name: whether they
+    do on each segment, `(segments,)`."""
     materials: tuple[str, ...]
     """Material of each segment, "" for none."""
     placement: MapPlacement | None = None
@@ -255,17 +256,15 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         export_trajectories=exported,
     )
     varied = *jointly, *ground.varied()
+    _check_variables(top, varied)
     inputs = StudyInputs(
         path=path,
         checksums={path: hashlib.sha256(data).hexdigest()} | slope.checksums,
         title=typed(top, content, "title", str, path.stem),
         seed=slope.seed,
         ground_table=_default_angles(profile) | content.get("ground", {}),
-        ground_samples={
-            key.removeprefix("ground.").replace(".", "_"): samples[key]
-            for key in varied
-        },
-        random_ground=frozenset(key.split(".")[-1] for key in (*varied, *fields)),
+        ground_samples={key.removeprefix("ground."): samples[key] for key in varied},
+        random_ground=_random_ground(slope.layout, (*varied, *fields)),
         materials=slope.layout.materials,
         placement=read_map_placement(top, content, profile),
         smoothing=slope.layout.smoothing,
@@ -294,6 +293,34 @@ def _count(top: Key, content: dict, slope: SlopeInput, by_chance: bool) -> int:
     return whole(top, content, "count", count, 1)
 
 
+def variable_of_ground(key: str) -> str:
+    """Name the variable of a dataset for a quantity of the ground by its key."""
+    return key.replace(".", "_")
+
+
+def _check_variables(top: Key, keys: Iterable[str]) -> None:
+    """Raise InputError for two quantities of the ground that one variable would have to
+    hold, as names of materials may have underscores."""
+    known: dict[str, str] = {}
+    for key in keys:
+        other = known.setdefault(variable_of_ground(key), key)
+        if other != key:
+            raise top[key].error(
+                f"and {other} would both be {variable_of_ground(key)} in the results; "
+                "rename one of the materials"
+            )
+
+
+def _random_ground(layout: GroundLayout, keys: Iterable[str]) -> dict[str, np.ndarray]:
+    """Tell by name on which segments quantities of the ground differ from block to
+    block, of which there may be several of a name."""
+    where: dict[str, np.ndarray] = {}
+    for key in keys:
+        name = key.split(".")[-1]
+        where[name] = layout.where(key) | where.get(name, False)
+    return where
+
+
 def _default_angles(profile: Profile) -> dict[str, float]:
     """List the angles of the ground that have their defaults on every segment."""
     return {
@@ -306,11 +333,11 @@ def _default_angles(profile: Profile) -> dict[str, float]:
 def _collectors(top: Key, content: dict, profile: Profile) -> np.ndarray:
     key = top["collectors_m"]
     places = [number(key, x) for x in typed(top, content, "collectors_m", list, [])]
-    # Each is a curve, and rows of every table.
+    # Each is rows of every table.
     if len(places) > 100:
         raise key.error(
-            f"holds {len(places)} places, but at most 100 are drawn and told; bins "
-            "gives energies, speeds and heights all along the slope"
+            f"holds {len(places)} places, but at most 100 are told; bins gives "
+            "energies, speeds and heights all along the slope"
         )
     for x in places:
         check_inside(profile, x, "holds", **key.place)
