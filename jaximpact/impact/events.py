@@ -139,7 +139,7 @@ class Outcome(enum.IntEnum):
     separating = 4
     """The block was moving away from the ground: no impact, velocities unchanged."""
     failed = 5
-    """The integration did not finish; every number is NaN."""
+    """The integration did not finish; every number but that of steps is NaN."""
 
     def __str__(self) -> str:
         return self.name.replace("_", " ")

@@ -42,7 +42,7 @@ SMALLEST_WIDTH = 1e-15
 PATIENCE = 1000
 """Tries to land after which as many steps are taken as they are, past switches. With 40
 in place of 1000 steps stuck where blocks slip: of 60 000 impacts far out 181 at `fast`
-had more than ten times the largest shear force, in place of 26, and 17 at `balanced`,
+had more than ten times the largest shear force, in place of 34, and 17 at `balanced`,
 in place of 4."""
 SHORT_PATIENCE = 40
 """The same with dashpots, whose forces may oscillate about a switch where they have no
