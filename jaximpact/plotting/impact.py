@@ -237,7 +237,7 @@ def draw_depth(axes: Axes, summary: ImpactSummary, history: History) -> None:
     axes.plot(time, sinking / unit, color=ORANGE, lw=3, label="$u_D$, lowest point")
     axes.plot(time, penetration / unit, color=BLUE, ls="--", label="$u_n$, centre")
     axes.set_ylabel(f"penetration [{name}]")
-    axes.margins(y=0.17)  # room for the number of the largest
+    axes.margins(y=0.2)  # room for the number of the largest
     axes.invert_yaxis()
     if len(time) > 1 and summary.max_sinking > 0.0:
         peaks = [
