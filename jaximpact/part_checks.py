@@ -247,8 +247,7 @@ def _check_flow(name: str, law: AbstractFlow) -> None:
     if not law.flows_below_yield and np.any(early > 0.0):
         raise InputError(
             f"{name}: says flows_below_yield = False, but flows at "
-            f"{np.max(early):.3g} m/s below yield; without flows_below_yield = False "
-            "its impacts are computed rightly"
+            f"{np.max(early):.3g} m/s below yield; remove flows_below_yield = False"
         )
 
 
@@ -325,7 +324,13 @@ def _check_shape(name: str, shape: AbstractShape) -> None:
         )
 
 
-def _check_arms(name: str, arms, slopes, ratio, turn) -> None:
+def _check_arms(
+    name: str,
+    arms: np.ndarray,
+    slopes: np.ndarray,
+    ratio: np.ndarray,
+    turn: np.ndarray,
+) -> None:
     """Raise InputError where tangency arms are not the slopes of the support, but at
     orientations where a face may be level."""
     tilted = np.abs(np.sin(4.0 * turn)) > 1e-6

@@ -10,7 +10,7 @@ import hashlib
 import io
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -481,12 +481,11 @@ def warn_of_unusual(
     """Warn of the first unusual value of a column, in its unit, and name its row by the
     line of each, `(rows,)`."""
     bad = column.is_unusual(values)
-    if not np.any(bad):
-        return
-    index, where = _first_of(bad)
-    description = column.describe(values[index], column.unit, where)
-    place = {"file": path, "row": lines[index], "column": column.name}
-    warn_unusual(f"is {description}", column.name, **place)
+
+    def words(index: int, where: str) -> str:
+        return column.describe(values[index], column.unit, where)
+
+    _warn_of_first(path, column.name, lines, bad, words)
 
 
 def _warn_of_marks(
@@ -495,21 +494,25 @@ def _warn_of_marks(
     """Warn of the first measurement of a result that may be a mark for no data."""
     unit = TARGET_COLUMNS[name].unit
     marks = [mark for mark, units in SHORT_MARKS.items() if unit in units]
-    bad = np.isin(values, marks)
+
+    def words(index: int, where: str) -> str:
+        cure = "if that is a mark for no data, leave the cell empty"
+        return f"{values[index]:g}{where}; {cure}"
+
+    _warn_of_first(path, name, lines, np.isin(values, marks), words)
+
+
+def _warn_of_first(
+    path: Path,
+    name: str,
+    lines: Sequence[int] | np.ndarray,
+    bad: np.ndarray,
+    words: Callable[[int, str], str],
+) -> None:
+    """Warn of the first bad value of a column, if there is one. What it is, in words,
+    comes from its index, and from how many rows more are bad."""
     if not np.any(bad):
         return
-    index, where = _first_of(bad)
-    warn_unusual(
-        f"is {values[index]:g}{where}; if that is a mark for no data, leave the cell "
-        "empty",
-        name,
-        file=path,
-        row=lines[index],
-        column=name,
-    )
-
-
-def _first_of(bad: np.ndarray) -> tuple[int, str]:
-    """Return the index of the first bad row, and how many more there are, in words."""
-    more = np.count_nonzero(bad) - 1
-    return int(np.argmax(bad)), f" and {more} more rows" if more else ""
+    index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+    what = words(index, f" and {more} more rows" if more else "")
+    warn_unusual(f"is {what}", name, file=path, row=lines[index], column=name)

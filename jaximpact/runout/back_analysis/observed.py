@@ -199,7 +199,9 @@ def _passages(
                 f"is {values[i]:g}, while usual are up to {usual:g}; is it a mark for "
                 "no data, or in another unit?",
                 name,
-                **{"file": file, "row": lines[i], "column": name},
+                file=file,
+                row=lines[i],
+                column=name,
             )
         for x in np.unique(places).tolist():
             here = values[(places == x) & np.isfinite(values)]

@@ -336,7 +336,7 @@ def _collectors(top: Key, content: dict, profile: Profile) -> np.ndarray:
     # Each is rows of every table.
     if len(places) > 100:
         raise key.error(
-            f"holds {len(places)} places, but at most 100 are told; bins gives "
+            f"holds {len(places)} places, but tables list at most 100; bins gives "
             "energies, speeds and heights all along the slope"
         )
     for x in places:
