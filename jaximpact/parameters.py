@@ -250,15 +250,15 @@ class Part(Module):
     `real_numbers`), TypeError for an unknown field, with the nearest known.
     """
 
-    said_of: ClassVar[Mapping[str, tuple[str, ...]]] = {}
-    """Names of what classes say about functions of theirs, and of these functions. A
-    class that overrides one of them, and says nothing, gets what is said here in place
-    of what the class says that it derives from."""
+    statements: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """Attributes that state what functions of a class do, and these functions. A
+    derived class that overrides one of the functions must state it anew; otherwise the
+    attribute of this class, which is right for all functions, takes its place."""
 
     def __init_subclass__(cls, **arguments):
         super().__init_subclass__(**arguments)
         _add_table(cls)
-        _take_back(cls)
+        _withdraw_statements(cls)
         constructors = {"__init__", "__post_init__", "__check_init__", "__new__"}
         if constructors & vars(cls).keys():
             _with_own_constructor.add(cls)
@@ -286,15 +286,15 @@ class Part(Module):
         return html_table([type(self).__name__], _own_rows(self))
 
 
-def _take_back(kind: type[Part]) -> None:
-    """Take back what was said of functions that a class overrides."""
+def _withdraw_statements(kind: type[Part]) -> None:
+    """Withdraw statements about functions that a class overrides; see `Part`."""
     classes = kind.__mro__
 
     def place(name: str) -> int:
         return next((k for k, c in enumerate(classes) if name in vars(c)), len(classes))
 
     for general in classes:
-        for name, functions in vars(general).get("said_of", {}).items():
+        for name, functions in vars(general).get("statements", {}).items():
             if min(map(place, functions)) < place(name) < classes.index(general):
                 setattr(kind, name, vars(general)[name])
 

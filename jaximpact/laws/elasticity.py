@@ -212,7 +212,7 @@ class AbstractDamping(Part):
             mass: $m$ [kg]. inertia: $I$ [kg m2].
         """
 
-    said_of: ClassVar = {"acts": ("__call__",)}
+    statements: ClassVar = {"acts": ("__call__",)}
 
     def acts(self) -> tuple[Any, Any]:
         """Tell whether the normal dashpot may act, and whether any may: where none

@@ -46,7 +46,7 @@ class AbstractFlow(Part):
         flow goes along the gradient, as `displacement_rates` gives it.
         """
 
-    said_of: ClassVar = {"flows_below_yield": ("__call__", "flow_size")}
+    statements: ClassVar = {"flows_below_yield": ("__call__", "flow_size")}
     flows_below_yield: ClassVar[bool] = True
     """Whether there may be flow below yield. Steps of the integration then end there
     too where the flow begins to heave and where hardening has kinks, and an impact

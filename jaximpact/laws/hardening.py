@@ -40,7 +40,7 @@ class AbstractHardening(Part):
             branch: the signs of the rates, if not those that they have.
         """
 
-    said_of: ClassVar = {"heeds_signs": ("__call__",)}
+    statements: ClassVar = {"heeds_signs": ("__call__",)}
 
     def heeds_signs(self) -> tuple[Any, Any]:
         """Tell whether the rate has kinks where sliding and where rocking change sign,

@@ -81,7 +81,7 @@ class AbstractShape(Part):
         aspect_ratio: Scalar = ...
         out_of_plane_ratio: Scalar = ...
 
-    said_of: ClassVar = {
+    statements: ClassVar = {
         "tangency_arm": ("support",),
         "support_change": ("support",),
         "is_upright": ("support", "section", "cut"),
