@@ -130,6 +130,25 @@ def test_numbers_of_a_narrow_side_view_do_not_collide():
     assert min(between) > boxes[0].height / 2  # half a letter's height
 
 
+@pytest.mark.parametrize("slope", [-0.6, 0.3, 1.5])
+@pytest.mark.parametrize("angle", [0.5, -0.9])
+def test_gravity_stands_beside_the_block(slope, angle):
+    """Beside one upright, whose view is as high as there is room, and one that lies,
+    whose view is as wide."""
+    orientation = 0.5 * np.pi * (angle < 0.0)
+    impact = Impact(slope=slope, angle=angle, orientation=orientation, speed=12.0)
+    view = recorded(Block(aspect_ratio=3.0), Soil(), impact).plot()[-1]
+    view.figure.canvas.draw()
+    (gravity,) = view.texts
+    frame, drawn = view.get_window_extent(), gravity.get_window_extent()  # arrow too
+    rightmost = max(
+        view.transData.transform(line.get_xydata())[:, 0].max()
+        for line in view.get_lines()[1:]  # of which the first is the ground
+    )
+    assert rightmost < drawn.x0 < drawn.x1 < frame.x1
+    assert frame.y0 < drawn.y0 < drawn.y1 < frame.y1
+
+
 def test_energy_fills_what_is_available(result):
     axes = panels(result.plot())["energy"]
     top = axes.collections[-1].get_paths()[0].vertices[:, 1].max()
