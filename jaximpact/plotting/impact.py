@@ -41,6 +41,8 @@ ENERGY_UNITS = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"))
 ARROW, ROOM = 32.0, 80.0
 """Length of the arrow of gravity, and the width that it takes with its word at the
 tail, on any slope [points]."""
+NARROWEST = 0.75
+"""Least width over height of the side view: the numbers of three ticks have room."""
 LINE = 100
 """Letters of a line of the title: of 10 points they take 7 of the figure's 8 inches."""
 
@@ -62,8 +64,8 @@ def plot_impact(
     is and say so.
     """
     if on is None or isinstance(on, Figure):
-        figure, panels = _five_panels(on or Figure())
-        figure.suptitle(f"{scene_in_words(scene)}\n{outcome_in_words(summary)}")
+        title = f"{scene_in_words(scene)}\n{outcome_in_words(summary)}"
+        figure, panels = _five_panels(on or Figure(), title)
     else:
         figure, panels = given_axes(on, 5)
     history = _finite_part(history)
@@ -77,8 +79,10 @@ def plot_impact(
     return figure
 
 
-def _five_panels(figure: Figure) -> tuple[Figure, list[Axes]]:
-    figure.set_size_inches(WIDTH, 9.0)
+def _five_panels(figure: Figure, title: str) -> tuple[Figure, list[Axes]]:
+    # Further lines of the title take nothing from the panels.
+    figure.set_size_inches(WIDTH, 9.0 + 0.17 * (title.count("\n") - 1))
+    figure.suptitle(title)
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.3))
     places = grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]
     panels = [figure.add_subplot(place) for place in places]
@@ -365,6 +369,9 @@ def draw_side_view(axes: Axes, scene: Scene, history: History) -> None:
     slope = float(scene.impact.slope)
     if slope != 0.0:
         _draw_gravity(axes, slope)
+    left, right = axes.get_xlim()
+    narrow = max(NARROWEST * (high - low) - (right - left), 0.0)
+    axes.set_xlim(left - 0.5 * narrow, right + 0.5 * narrow)
     axes.apply_aspect()
     inches = axes.figure.dpi_scale_trans.inverted()
     panel = axes.get_window_extent().transformed(inches)

@@ -104,11 +104,20 @@ def drawn_boxes(texts):
     return [text.get_window_extent() for text in texts if text.get_text()]
 
 
-def test_numbers_stand_within_their_panel_and_beside_the_legend():
-    """Of a block that comes in up-slope too, whose T and rotation are negative."""
-    block, impact = Block(aspect_ratio=1.7, mass=1e5), Impact(angle=-1.2, speed=60.0)
-    axes = panels(recorded(block, Soil(), impact).plot())
-    assert axes["contact force"].get_ylabel() == "force [MN]"
+UP_SLOPE = Block(aspect_ratio=1.7, mass=1e5), Soil(), Impact(angle=-1.2, speed=60.0)
+"""T and rotation are negative."""
+PRISM = (
+    Block(aspect_ratio=1.5, shape="RectangularPrism"),
+    Soil(),
+    Impact(angle=1.2, speed=12.0, orientation=0.7, angular_velocity=20.0, slope=1.5),
+)
+"""It has a title of three lines."""
+
+
+@pytest.mark.parametrize(("scene", "unit"), [(UP_SLOPE, "MN"), (PRISM, "kN")])
+def test_numbers_stand_within_their_panel_and_beside_the_legend(scene, unit):
+    axes = panels(recorded(*scene).plot())
+    assert axes["contact force"].get_ylabel() == f"force [{unit}]"
     axes["rotation"].figure.canvas.draw()
     for name in ("contact force", "penetration", "rotation"):
         frame = axes[name].get_window_extent()
@@ -120,9 +129,12 @@ def test_numbers_stand_within_their_panel_and_beside_the_legend():
             assert not any(box.overlaps(of_word) for of_word in words), name
 
 
-def test_numbers_of_a_narrow_side_view_do_not_collide():
+@pytest.mark.parametrize(
+    ("aspect_ratio", "impact"), [(2.0, SPINNING), (4.0, Impact(speed=1e-3))]
+)
+def test_numbers_of_a_narrow_side_view_do_not_collide(aspect_ratio, impact):
     """Their places are those of the figure as it is drawn."""
-    view = recorded(Block(aspect_ratio=2.0), Soil(), SPINNING).plot()[-1]
+    view = recorded(Block(aspect_ratio=aspect_ratio), Soil(), impact).plot()[-1]
     view.figure.canvas.draw()
     boxes = drawn_boxes(view.get_xticklabels())
     between = [right.x0 - left.x1 for left, right in pairwise(boxes)]
