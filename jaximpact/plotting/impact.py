@@ -21,6 +21,7 @@ from .style import (
     BLUE,
     GREEN,
     GREY,
+    LINE,
     ORANGE,
     PURPLE,
     SKY,
@@ -43,8 +44,6 @@ ARROW, ROOM = 32.0, 80.0
 tail, on any slope [points]."""
 NARROWEST = 0.75
 """Least width over height of the side view: the numbers of three ticks have room."""
-LINE = 100
-"""Letters of a line of the title: of 10 points they take 7 of the figure's 8 inches."""
 
 
 @in_style

@@ -16,10 +16,20 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate
-from jaximpact.calibration.report.drawings import draw_residuals, only_varying
+from jaximpact.calibration.report.drawings import (
+    draw_left_out,
+    draw_residuals,
+    only_varying,
+)
 from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline, scene_in_words
-from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
+from jaximpact.plotting.style import (
+    COLOURS,
+    WIDTH,
+    legend_outside,
+    plotted,
+    png_bytes,
+)
 from jaximpact.plotting.style import panels as panels_of
 from jaximpact.reports.tables import at_x
 from jaximpact.runout.back_analysis.drawing import draw_channel
@@ -318,6 +328,43 @@ def test_a_drawing_that_fails_leaves_no_figure():
     with pytest.raises(ValueError):  # noqa: PT011
         plotted(fails)
     assert not pyplot.get_fignums()
+
+
+def is_within(artist, figure):
+    box = artist.get_window_extent()
+    return 0.0 < box.x0 < box.x1 < figure.bbox.width
+
+
+def test_long_titles_and_labels_stay_within_the_figure():
+    title = "The slope above the village, of which much is to be said: " * 3
+    figure, (axes,) = panels_of(height=2.0, title=title)
+    for number in range(3):
+        axes.plot([number], label=f"variant {number} with the name of a law of ours")
+    legend_outside(figure, ncols=3)
+    figure.draw_without_rendering()
+    assert " ".join(figure.get_suptitle().split()) == title.strip()
+    assert is_within(figure.texts[0], figure)
+    (legend,) = figure.legends
+    assert is_within(legend, figure)
+    assert len(legend.get_texts()) == 3
+    assert axes.get_window_extent().height > 1.0 * figure.dpi
+
+
+def test_tests_of_long_names_are_told_apart_at_an_axis():
+    names = [f"{'drop of the block on the meadow' * 3} {number}" for number in "123"]
+    study = study_of_columns(
+        {"speed_mps": [5.0, 8.0, 9.0, 9.0], "e_n": [0.1] * 4, "name": [*names, "1"]}
+    )
+    predicted = np.zeros((4, 1))
+    left = SimpleNamespace(quantile=2.0, standardised=lambda measured: predicted)
+    figure = draw_left_out(SimpleNamespace(study=study), left)
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    shown = [label.get_text() for label in axes.get_xticklabels()]
+    assert shown[:3] == [f"drop of th...e meadow {number}" for number in "123"]
+    assert shown[3] == "1"
+    for label in axes.get_xticklabels():
+        assert is_within(label, figure)
 
 
 SLOPE = {"prior": {"mean": 10.0, "sd": 1.0}}

@@ -20,6 +20,7 @@ from ...plotting.style import (
     panels,
     plain,
     points,
+    tick_name,
 )
 from ...quantities import TARGET_COLUMNS, InputColumn, columns_of
 from ..comparison.comparison import Compared
@@ -347,9 +348,9 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
     study = result.study
     values = left.standardised(study.measured)
     values = np.where(study.censored == 0, values, np.nan)
-    names = [plain(study.tests.name(test)) for test in range(len(values))]
+    names = study.tests.names_apart()
     rows = np.array([study.tests.place(test)[1] for test in range(len(values))])
-    by_row = names == [f"row {row}" for row in rows]
+    by_row = list(names) == [f"row {row}" for row in rows]
     number = rows if by_row else np.arange(len(values))
     along = np.broadcast_to(number[:, None], values.shape)
     figure, axes = _about_zero(study, along, values, left.quantile)
@@ -357,7 +358,8 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
         axes.set_xlabel(f"row of {plain(study.tests.files[0].path.name)}")
     else:
         step = -(-len(names) // MOST_NAMED)
-        axes.set_xticks(number[::step], names[::step], rotation=45, ha="right")
+        shown = [tick_name(name) for name in names[::step]]
+        axes.set_xticks(number[::step], shown, rotation=45, ha="right")
     axes.set_ylabel("measured less predicted\n[standard deviations]")
     return figure
 
@@ -425,7 +427,7 @@ def draw_predictions(
         measured = prediction.measured[:, target]
         _measured(panel, tests, measured, prediction.censored[:, target])
         if len(tests) <= 12:
-            names = [plain(prediction.tests.name(test - 1)) for test in tests]
+            names = [tick_name(name) for name in prediction.tests.names_apart()]
             panel.set_xticks(tests, names, rotation=45, ha="right")
         else:
             panel.set_xlabel("test")

@@ -67,9 +67,7 @@ def draw_trajectories(
         line = axes.axvline(x, color=GREY, ls="--", lw=1.0, label="collector")
     handles += [line] if len(collectors) else []
     handles += grounds
-    # Some 95 characters fit side by side into a legend.
-    longest = max(len(str(handle.get_label())) for handle in handles)
-    legend_outside(figure, handles, ncols=max(1, min(4, 95 // (longest + 6))))
+    legend_outside(figure, handles, ncols=4)
     return figure
 
 
