@@ -16,8 +16,14 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate
+from jaximpact.calibration.diagnostics.identifiability import (
+    LikelihoodProfile,
+    _within,
+)
+from jaximpact.calibration.problem.bounds import Bounds
 from jaximpact.calibration.report.drawings import (
     draw_left_out,
+    draw_profile,
     draw_residuals,
     only_varying,
 )
@@ -392,6 +398,34 @@ def test_a_fit_is_drawn_over_what_alone_differs(columns, content, along):
     }
     study = study_of_columns(tests | columns, **content)
     assert only_varying(SimpleNamespace(study=study)) == along
+
+
+def test_a_profile_crosses_its_levels_at_the_ends_of_its_intervals():
+    """Also where few points are about a parameter that is not identifiable."""
+    bounds = Bounds(np.array([0.05]), np.array([500.0]), np.array([True]))
+    rise, limit = np.array([90.0, 8.4, 1.3, 0.4, 0.0]), 2.0**2
+    values = np.array([0.5, 5.0, 30.0, 120.0, 500.0])
+    ends = [*_within(np.log(values), rise, 1.0), *_within(np.log(values), rise, limit)]
+    low, _, low_95, _ = (end and np.exp(end) for end in ends)
+    profile = LikelihoodProfile(
+        *("gamma_v", values, rise, low, None, low_95, None),
+        best_cost=0.0,
+        lowest_cost=0.0,
+        lowest_x=np.log(values[-1:]),
+    )
+    variant = SimpleNamespace(
+        names=("gamma_v",),
+        bounds=bounds,
+        uncertainty=SimpleNamespace(quantile=np.array([2.0])),
+        verdicts=[SimpleNamespace(determined=False)],
+        objective=SimpleNamespace(scene=Scene()),
+    )
+    (axes,) = draw_profile(variant, profile).axes
+    curve = axes.get_lines()[0].get_xydata()
+    for end, level in ((low, 1.0), (low_95, limit)):
+        # Between the 300 points of the curve it is a line.
+        at_end = np.interp(np.log(end), np.log(curve[:, 0]), curve[:, 1])
+        assert at_end == pytest.approx(level, rel=1e-3)
 
 
 def test_residuals_of_a_target_that_is_predicted_to_be_zero_are_drawn():

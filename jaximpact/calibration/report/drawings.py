@@ -245,9 +245,6 @@ def draw_profile(
 ) -> Figure:
     """Draw the likelihood ratio where a parameter is fixed, the 95 % interval and, if
     it is identifiable, the parabola of its standard error."""
-    # Which only reports need: it takes its time to import.
-    from scipy.interpolate import PchipInterpolator
-
     figure, axes = _panel(on)
     index = variant.names.index(profile.name)
     uncertainty = variant.uncertainty
@@ -265,12 +262,11 @@ def draw_profile(
     right = float(bounds.upper) if ends[1] is None else ends[1]
     low, high = min(low, left), max(high, right)
     axes.axvspan(left, right, color=GREY, alpha=0.15, lw=0)
-    # The signed root is nearly straight, so that its interpolation is smooth.
-    side = np.sign(np.arange(len(along)) - np.argmin(profile.rise))
-    root = PchipInterpolator(along, side * np.sqrt(np.maximum(profile.rise, 0.0)))
     fine = np.linspace(max(bounds.coordinate(low), along[0]), along[-1], 300)
     fine = fine[fine <= bounds.coordinate(high)]
-    axes.plot(bounds.parameter(fine), root(fine) ** 2, color=BLUE)
+    # As the ends of the intervals are, so that the curve is at their level there.
+    root = np.interp(fine, along, np.sqrt(np.maximum(profile.rise, 0.0)))
+    axes.plot(bounds.parameter(fine), root**2, color=BLUE)
     style: dict[str, Any] = dict(color=BLUE, marker="o", markersize=4, linestyle="none")
     axes.plot(profile.values, profile.rise, label="others fitted again", **style)
     if variant.verdicts[index].determined:
