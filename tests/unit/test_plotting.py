@@ -25,6 +25,7 @@ from jaximpact.calibration.report.drawings import (
     draw_left_out,
     draw_profile,
     draw_residuals,
+    draw_study,
     only_varying,
 )
 from jaximpact.errors import InputError
@@ -398,6 +399,15 @@ def test_a_fit_is_drawn_over_what_alone_differs(columns, content, along):
     }
     study = study_of_columns(tests | columns, **content)
     assert only_varying(SimpleNamespace(study=study)) == along
+
+
+def test_measurements_that_are_all_limits_have_one_entry_in_the_legend():
+    tests = {"speed_mps": [5.0, 9.0], "mass_kg": [1.0, 2.0], "e_n": [">0.1", "<0.4"]}
+    study = study_of_columns(tests)
+    fitted = SimpleNamespace(predicted=np.array([[0.2], [0.3]]))
+    figure = draw_study(SimpleNamespace(study=study, variants=[fitted]))
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["best fit, limit"]
 
 
 def test_a_profile_crosses_its_levels_at_the_ends_of_its_intervals():

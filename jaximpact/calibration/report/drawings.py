@@ -147,7 +147,8 @@ def _fitted(
             order = np.argsort(x, kind="stable")
             axes.plot(x[order], fitted[order], **style)
             continue
-        axes.errorbar(x[exact], fitted[exact], xerr=sigma, ls="none", **style)
+        if np.any(exact):
+            axes.errorbar(x[exact], fitted[exact], xerr=sigma, ls="none", **style)
         style |= dict(mfc="white", ls="none", label=f"{name}, limit")
         if np.any(limits):
             axes.plot(x[limits], fitted[limits], **style)
