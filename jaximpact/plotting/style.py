@@ -249,26 +249,31 @@ def legend_outside(
     figure: Figure,
     handles: Sequence[Artist] | None = None,
     place: Literal["lower center", "upper center", "right upper"] = "lower center",
+    *,
+    of: Sequence[Axes] | None = None,
     **how,
 ) -> None:
-    """Put one legend for all panels outside them, where it covers nothing.
+    """Put one legend for all panels outside them, where it covers nothing; in the first
+    of them where a user's figure has other panels, or keeps no room.
 
     Args:
         handles: of the series; without them those of all panels, each name once.
+        of: the panels, where they may be a user's; else those of the figure.
         how: further arguments of `Figure.legend`, such as title or ncols: fewer columns
             where long names leave no room for so many.
     """
+    drawn = figure.axes if of is None else of
     if handles is None:
         by_label = {}
-        for panel in figure.axes:
+        for panel in drawn:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 by_label.setdefault(label, handle)
         handles = list(by_label.values())
     if handles:
         columns = 1 if place.startswith("right") else min(len(handles), 6)
         how = {"ncols": columns, "columnspacing": 1.2, **how}
-        if not figure.get_constrained_layout():  # a user's, which keeps no room
-            figure.axes[0].legend(handles=handles, **how)
+        if not figure.get_constrained_layout() or len(drawn) < len(figure.axes):
+            drawn[0].legend(handles=handles, **how)
             return
         how["loc"] = f"outside {place}"
         legend = figure.legend(handles=handles, **how)

@@ -204,7 +204,7 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
         panel.grid(visible=False, axis="y")
         panel.axvline(0.0, color="black", lw=0.8)
         panel.set_xlabel("Sobol index [-]")
-    legend_outside(figure, ncols=2)
+    legend_outside(figure, of=axes, ncols=2)
     return figure
 
 

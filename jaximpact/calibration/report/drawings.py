@@ -93,7 +93,7 @@ def draw_study(result: StudyResult, on: On = None) -> Figure:
     figure, axes = panels(rows, columns, height=3.0, title=title, count=count, on=on)
     for target, panel in enumerate(axes):
         _fitted(panel, result, target, result.variants)
-    legend_outside(figure, ncols=3)
+    legend_outside(figure, of=axes, ncols=3)
     return figure
 
 
@@ -223,7 +223,7 @@ def _about_zero(
         style: dict[str, Any] = dict(linestyle="none", markersize=5, label=name)
         axes.plot(along[:, target], values[:, target], **style, **points(target))
     if len(study.targets) > 1:
-        legend_outside(figure, ncols=3)
+        legend_outside(figure, of=[axes], ncols=3)
     return figure, axes
 
 
@@ -430,5 +430,5 @@ def draw_predictions(
             panel.set_xlabel("test")
         panel.set_xlim(0.5, len(tests) + 0.5)
         panel.set_ylabel(label_of(name))
-    legend_outside(figure, ncols=4)
+    legend_outside(figure, of=axes, ncols=4)
     return figure
