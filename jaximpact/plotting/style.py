@@ -84,15 +84,15 @@ On = Figure | Axes | Sequence[Axes] | np.ndarray | None
 
 
 def given_axes(on: Any, count: int) -> tuple[Any, list[Axes]]:
-    """Return the figure of axes that a user gave, and these. Raises InputError unless
-    there is one for each panel."""
+    """Return the figure of axes that a user gave, the whole one of a subfigure's, and
+    these. Raises InputError unless there is one for each panel."""
     axes = list(np.ravel(on))
     if len(axes) != count or not all(isinstance(one, Axes) for one in axes):
         raise InputError(
             f"ax must be Matplotlib's axes, one for each of {count} panels, but is "
             f"{on!r}"
         )
-    return axes[0].get_figure(), axes
+    return axes[0].figure.figure, axes
 
 
 @in_style

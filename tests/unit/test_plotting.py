@@ -32,6 +32,7 @@ from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline, scene_in_words
 from jaximpact.plotting.style import (
     COLOURS,
+    DPI,
     WIDTH,
     legend_outside,
     plotted,
@@ -317,6 +318,14 @@ def test_axes_given_are_drawn_on_and_returned(result):
     assert pyplot.get_fignums() == [figure.number]
     with pytest.raises(InputError, match="one for each of 5 panels"):
         result.plot(ax=axes[:2])
+
+
+def test_axes_of_a_subfigure_are_saved_with_the_whole_figure(result, tmp_path):
+    left, right = pyplot.figure(figsize=(4.0, 6.0), dpi=50).subfigures(1, 2)
+    right.subplots()
+    result.plot(tmp_path / "impact.png", ax=left.subplots(5, 1))
+    with Image.open(tmp_path / "impact.png") as image:
+        assert image.size == (4.0 * DPI, 6.0 * DPI)
 
 
 def test_figures_that_are_not_saved_are_pyplots(result, tmp_path):
