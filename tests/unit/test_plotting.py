@@ -43,7 +43,7 @@ from jaximpact.reports.tables import at_x
 from jaximpact.runout.back_analysis.drawing import draw_channel
 from jaximpact.runout.back_analysis.observed import ObservedValues
 from jaximpact.runout.back_analysis.predictive import ChannelPrediction
-from jaximpact.runout.study.drawing import CURVES, draw_collectors
+from jaximpact.runout.study.drawing import CURVES, draw_collectors, draw_stops
 
 SPINNING = Impact.from_degrees(orientation=17, angular_velocity=20_000)
 """Its block separates at once: the side view is of one outline, and narrow."""
@@ -470,3 +470,17 @@ def test_what_was_observed_of_one_block_is_drawn_too(blocks):
     assert (shares[0], shares[-1]) == (0.0, 1.0)
     np.testing.assert_array_equal(np.unique(observed.get_xdata()), values)
     assert np.sum(np.diff(shares) > 0.0) == blocks
+
+
+@pytest.mark.parametrize("start", [181.31, 2_600_181.31])
+def test_places_of_stops_are_whole_numbers(start):
+    """Where they are within centimetres too, and on a national grid."""
+    x = start + np.linspace(0.0, 0.04, 20)
+    columns = {"x_m": ("block", x), "ending": ("block", ["stopped"] * 20)}
+    (axes,) = draw_stops(xr.Dataset(columns, attrs={"title": "slope"})).axes
+    axes.figure.draw_without_rendering()
+    assert axes.xaxis.get_offset_text().get_text() == ""
+    labels = axes.get_xticklabels()
+    assert all(label.get_text().startswith(f"{int(start)}.3") for label in labels)
+    for left, right in pairwise(drawn_boxes(labels)):
+        assert left.x1 < right.x0
