@@ -14,16 +14,10 @@ from jaximpact.runout import (
     ClosedForm,
     Profile,
     Release,
-    libm,
     read_slope_study,
     simulate_runout,
 )
-from jaximpact.runout.smoothing import (
-    _points_after,
-    _summed_in_boxes,
-    _summed_one_by_one,
-    smooth_heights,
-)
+from jaximpact.runout.smoothing import smooth_heights
 
 
 def hillside(x):
@@ -62,46 +56,6 @@ def test_it_is_a_weighted_least_squares_fit_at_each_point(irregular):
         fit = np.polyfit(u, y[near], 2, w=np.exp(-0.25 * (u / length) ** 2))
         # Of two solutions of the same equations; heights differ by some metres.
         assert smooth[i] == pytest.approx(fit[-1], abs=1e-6)
-
-
-def summed_pair_by_pair(x, y, length):
-    """Sums of the weights of all pairs within reach, times powers of distances u, and
-    heights too."""
-    u = (x - x[:, None]) / length
-    weight = np.where(np.abs(u) <= 4.0, np.exp(-0.5 * u**2), 0.0)
-    rise = y - y[:, None]
-    alone = [np.sum(weight * u**power, axis=1) for power in range(5)]
-    return alone, [np.sum(weight * u**power * rise, axis=1) for power in range(3)]
-
-
-@pytest.mark.parametrize("summed", [_summed_one_by_one, _summed_in_boxes])
-@pytest.mark.parametrize("length", [0.2, 1.0, 20.0])
-@pytest.mark.parametrize("regular", [False, True])
-def test_sums_over_the_points_within_reach(irregular, summed, length, regular):
-    """On a regular profile points are at the very reach."""
-    x = 0.1 * np.arange(800) if regular else irregular
-    y = 1800.0 + hillside(x - x[0]) + np.random.default_rng(0).normal(size=len(x))
-    found = summed(x, y, length, _points_after(x, length))
-    for sums, exact in zip(found, summed_pair_by_pair(x, y, length), strict=True):
-        for one, other in zip(sums, exact, strict=True):
-            # Rounding of sums of some hundred terms.
-            assert np.max(np.abs(one - other)) < 1e-13 * np.max(np.abs(other))
-
-
-def test_the_time_grows_as_the_number_of_points(monkeypatch):
-    """30 000 points that each have 24 000 about them are smoothed at once."""
-    x, exp, taken = np.linspace(0.0, 100.0, 30_000), libm.exp, []
-
-    def counted(values):
-        taken.append(np.size(values))
-        return exp(values)
-
-    monkeypatch.setattr(libm, "exp", counted)
-    noise = 0.01 * np.random.default_rng(0).normal(size=len(x))
-    smooth = smooth_heights(x, 50.0 - 0.5 * x + noise, 10.0)
-    assert rms(smooth - (50.0 - 0.5 * x)) < 0.1 * 0.01
-    # A point is within reach of 17 boxes.
-    assert sum(taken) < 20 * len(x)
 
 
 @pytest.mark.slow
