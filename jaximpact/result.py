@@ -4,7 +4,6 @@ Arrays of NumPy, of JAX, and those that a JAX transformation traces serve alike.
 tables and pictures need values that are known.
 """
 
-import copyreg
 import dataclasses
 from collections.abc import Iterator
 from functools import partial
@@ -16,13 +15,12 @@ import numpy as np
 
 from ._jax_internals import Tracer
 from ._packages import versions
-from ._precision import require_float64
 from ._tables import Row, align, html_table
 from .accuracy import Accuracy
 from .backend import MACHINE_CODE
 from .identity import part_names
 from .impact.events import Outcome
-from .impact.results import EnergyLedger, History, ImpactSummary
+from .impact.results import History, ImpactSummary
 from .quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 from .scene import Scene, Selection
 from .scene_quantities import scene_values
@@ -252,20 +250,6 @@ class ImpactResult(ImpactSummary):
             "engine": self.engine,
             "versions": versions(),
         }
-
-
-def _pickled(series: History | EnergyLedger) -> tuple:
-    return _in_float64, (type(series), *series)
-
-
-def _in_float64(kind: type, *items) -> History | EnergyLedger:
-    """Make what is read from a pickle, as `_module.set_in_float64` does of modules."""
-    require_float64()
-    return kind(*items)
-
-
-copyreg.pickle(History, _pickled)
-copyreg.pickle(EnergyLedger, _pickled)
 
 
 def _is_known(leaf) -> bool:
