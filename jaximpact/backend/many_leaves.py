@@ -195,11 +195,30 @@ def _summed(columns: Sequence, cotangents) -> list:
     return [(column * cotangents).sum(axis=0) for column in columns]
 
 
-def _at_once(compute: Callable, operands: Sequence, many: _ManyLeaves):
-    """Compute with numbers that are known, without JAX."""
-    with own_settings():
-        known = [np.asarray(operand) for operand in operands]
-        return jax.tree.map(handed_over, compute(many, *known, in_jax=False))
+def _define(
+    operation: Primitive, compute: Callable, *, transposed: Callable, batched: Callable
+) -> None:
+    """Tell JAX what it has to know of an operation."""
+
+    @operation.def_impl
+    def at_once(*operands, many: _ManyLeaves):
+        with own_settings():
+            known = [np.asarray(operand) for operand in operands]
+            return jax.tree.map(handed_over, compute(many, *known, in_jax=False))
+
+    def in_jax(*operands, many: _ManyLeaves):
+        return compute(many, *operands, in_jax=True)
+
+    def jvp(operands, tangents, *, many: _ManyLeaves):
+        steps = _once_only(many, tangents)
+        along = operation.bind(*operands[: many.known], *steps, many=many)
+        return operation.bind(*operands, many=many), along
+
+    ad.primitive_jvps[operation] = jvp
+    ad.primitive_transposes[operation] = transposed
+    batching.primitive_batchers[operation] = batched
+    lowered = mlir.lower_fun(in_jax, multiple_results=operation.multiple_results)
+    mlir.register_lowering(operation, lowered)
 
 
 def _once_only(many: _ManyLeaves, tangents: Sequence) -> list:
@@ -238,21 +257,10 @@ def _is_jacobian(operands, axes, run: int, others: int, many: _ManyLeaves) -> bo
 _changes = Primitive("changes_of_impact")
 
 
-@_changes.def_impl
-def _changes_at_once(*operands, many: _ManyLeaves):
-    return _at_once(_ManyLeaves.changes, operands, many)
-
-
 @_changes.def_abstract_eval
 def _type_of_changes(*operands, many: _ManyLeaves) -> ShapedArray:
     shape = broadcast_shapes(*(operand.shape for operand in operands))
     return ShapedArray((many.rows, *shape), np.dtype(float))
-
-
-def _changes_jvp(operands, tangents, *, many: _ManyLeaves):
-    steps = _once_only(many, tangents)
-    along = _changes.bind(*operands[: many.known], *steps, many=many)
-    return _changes.bind(*operands, many=many), along
 
 
 def _changes_transposed(cotangents, *operands, many: _ManyLeaves):
@@ -272,15 +280,11 @@ def _changes_batched(operands, axes, *, many: _ManyLeaves):
     return of_steps(operands[many.known :]), 1
 
 
-ad.primitive_jvps[_changes] = _changes_jvp
-ad.primitive_transposes[_changes] = _changes_transposed
-batching.primitive_batchers[_changes] = _changes_batched
-mlir.register_lowering(
+_define(
     _changes,
-    mlir.lower_fun(
-        lambda *operands, many: many.changes(*operands, in_jax=True),
-        multiple_results=False,
-    ),
+    _ManyLeaves.changes,
+    transposed=_changes_transposed,
+    batched=_changes_batched,
 )
 
 # ---- The gradient of a sum of rows
@@ -289,22 +293,11 @@ _gradient = Primitive("gradient_of_impact")
 _gradient.multiple_results = True
 
 
-@_gradient.def_impl
-def _gradient_at_once(*operands, many: _ManyLeaves):
-    return _at_once(_ManyLeaves.gradient, operands, many)
-
-
 @_gradient.def_abstract_eval
 def _types_of_gradient(*operands, many: _ManyLeaves) -> list[ShapedArray]:
     *known, cotangents = operands
     shapes = *(operand.shape for operand in known), cotangents.shape[1:]
     return [ShapedArray(broadcast_shapes(*shapes), np.dtype(float))] * len(many.varied)
-
-
-def _gradient_jvp(operands, tangents, *, many: _ManyLeaves):
-    (cotangents,) = _once_only(many, tangents)
-    along = _gradient.bind(*operands[: many.known], cotangents, many=many)
-    return _gradient.bind(*operands, many=many), along
 
 
 def _gradient_transposed(steps, *operands, many: _ManyLeaves):
@@ -323,13 +316,9 @@ def _gradient_batched(operands, axes, *, many: _ManyLeaves):
     return of_cotangents(operands[-1]), [0] * count
 
 
-ad.primitive_jvps[_gradient] = _gradient_jvp
-ad.primitive_transposes[_gradient] = _gradient_transposed
-batching.primitive_batchers[_gradient] = _gradient_batched
-mlir.register_lowering(
+_define(
     _gradient,
-    mlir.lower_fun(
-        lambda *operands, many: many.gradient(*operands, in_jax=True),
-        multiple_results=True,
-    ),
+    _ManyLeaves.gradient,
+    transposed=_gradient_transposed,
+    batched=_gradient_batched,
 )
