@@ -44,11 +44,7 @@ def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     from does.
     """
     types = [jax.typeof(operand) for operand in operands]
-    # JAX 0.10 and later; before it `vma`
-    kinds = [getattr(t, "manual_axis_type", None) for t in types]
-    axes = [
-        t.vma if k is None else k.varying for k, t in zip(kinds, types, strict=True)
-    ]
+    kinds, axes = _manual_axes(types)
     varying = frozenset().union(*axes)
     if not varying:
         return [jax.ShapeDtypeStruct(shape, jnp.float64) for shape in shapes]
@@ -59,6 +55,23 @@ def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     else:
         said["manual_axis_type"] = type(kinds[0])(varying=varying)
     return [jax.ShapeDtypeStruct(shape, jnp.float64, **said) for shape in shapes]
+
+
+def vary_over_devices(values: Sequence) -> bool:
+    """Tell whether one of the values varies over a mesh, inside `jax.shard_map`."""
+    _, axes = _manual_axes([jax.typeof(value) for value in values])
+    return any(axes)
+
+
+def _manual_axes(types: Sequence) -> tuple[list, list[frozenset]]:
+    """Return the kinds of the axes of a mesh of types, and those over which they
+    vary."""
+    # JAX 0.10 and later; before it `vma`
+    kinds = [getattr(t, "manual_axis_type", None) for t in types]
+    axes = [
+        t.vma if k is None else k.varying for k, t in zip(kinds, types, strict=True)
+    ]
+    return kinds, axes
 
 
 def broadcast_shapes(*shapes: tuple) -> tuple:

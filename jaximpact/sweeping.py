@@ -18,7 +18,7 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.rows import in_parts
 from .batch import broadcast_scene, simulate_batch
 from .errors import InputError
-from .impact.results import SERIES
+from .impact.results import SERIES, check_beside_series
 from .io.checks import (
     NUMBERS_PER_IMPACT,
     check_memory,
@@ -29,7 +29,6 @@ from .io.checks import (
 from .io.datasets import (
     OUTPUT_COLUMNS,
     attributes_of,
-    check_beside_series,
     dataset_of,
     shape_coordinate,
 )

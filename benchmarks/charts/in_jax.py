@@ -28,6 +28,7 @@ from .style import grouped
 BATCH = "simulate_batch"
 VALUES = "jit(vmap)"
 GRADIENTS = "jit(grad(mean(vmap)))"
+BY_ALL = "jit(grad(mean(vmap))) by the scenes"
 STEPS = "machine code alone"
 JITTED = "jit"
 EAGER = "simulate"
@@ -53,6 +54,10 @@ def _mean(shift, scenes: Scene):
     return jnp.mean(jax.vmap(lambda scene: _e_n(shifted(scene, shift)))(scenes))
 
 
+def _mean_of_scenes(scenes: Scene):
+    return jnp.mean(jax.vmap(_e_n)(scenes))
+
+
 def _calls(count: int) -> dict[str, Callable[[], object]]:
     """What is measured, by name: functions of nothing, compiled."""
     scenes = mixed_scenes(count, seed=0)
@@ -60,13 +65,14 @@ def _calls(count: int) -> dict[str, Callable[[], object]]:
     alone = _alone()
     on_device = jax.tree.map(jnp.asarray, alone)
     values, one = jax.jit(jax.vmap(_e_n)), jax.jit(_e_n)
-    gradient = jax.jit(jax.grad(_mean))
+    gradient, by_all = jax.jit(jax.grad(_mean)), jax.jit(jax.grad(_mean_of_scenes))
     own = jax.value_and_grad(_e_n_of_parameters, argnums=range(len(PARAMETERS)))
     parameters = [getattr(alone.soil, name) for name in PARAMETERS]
     calls = {
         BATCH: lambda: simulate_batch(scenes),
         VALUES: lambda: values(arrays),
         GRADIENTS: lambda: gradient(nothing, arrays),
+        BY_ALL: lambda: by_all(arrays),
         JITTED: lambda: one(on_device),
         EAGER: lambda: _e_n(alone),
         EAGER_GRADIENT: lambda: own(*parameters),
@@ -108,7 +114,7 @@ def measure(bench: Bench) -> list[Row]:
     settings = bench.settings
     bench.say("compiling")
     calls = _calls(settings.jax_scenes)
-    together = (BATCH, VALUES, GRADIENTS)
+    together = (BATCH, VALUES, GRADIENTS, BY_ALL)
     times = {name: 1 if name in together else settings.jax_singles for name in calls}
     tasks = [functools.partial(_seconds, calls[name], times[name]) for name in calls]
     tasks.append(functools.partial(_seconds_of_steps, settings.jax_singles))
@@ -147,12 +153,14 @@ def table(rows: Table) -> list[tuple[str, ...]]:
     seconds = rows.set_index("way")["seconds"]
     of_values = seconds[BATCH] / seconds[VALUES]
     of_gradients = seconds[VALUES] / seconds[GRADIENTS]
+    of_all = seconds[VALUES] / seconds[BY_ALL]
     overhead = seconds[JITTED] - seconds[STEPS]
     three, gradient = ", ".join(PARAMETERS), seconds[EAGER_GRADIENT]
     return [
         ("measure", "found"),
         (f"values in {VALUES} over those of {BATCH}", f"{of_values:.2f}"),
         (f"{GRADIENTS} by {three} over values in {VALUES}", f"{of_gradients:.2f}"),
+        (f"{BY_ALL} over values in {VALUES}", f"{of_all:.2f}"),
         ("one impact inside jit, without its own steps", f"{1e6 * overhead:.0f} µs"),
         ("one impact, its own steps", f"{1e6 * seconds[STEPS]:.0f} µs"),
         (f"one impact, {EAGER}", f"{1e6 * seconds[EAGER]:.0f} µs"),

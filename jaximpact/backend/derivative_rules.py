@@ -1,9 +1,10 @@
 """Numbers of impacts, differentiable in both modes, whatever JAX does around them.
 
-The derivative is taken forward through the integration, for those inputs only that are
-being differentiated (`jax.custom_jvp` with symbolic zeros). What remains is linear, so
-JAX can transpose it: `jax.grad` costs as much as `jax.jacfwd` does, in proportion to
-the number of parameters that vary.
+The derivative is taken for those inputs only that are being differentiated
+(`jax.custom_jvp` with symbolic zeros). Of up to six it is taken forward through the
+integration, one by one. What remains is linear, so that JAX can transpose it:
+`jax.grad` costs as much as `jax.jacfwd` does, in proportion to their number. Of more
+(`many_leaves`) a gradient is drawn back through the steps, at the cost of six values.
 """
 
 import functools
@@ -36,6 +37,7 @@ from ..impact.results import (
 from ..scene import Scene, shape_of
 from . import NATIVE, Engine
 from .known_results import results_of
+from .many_leaves import are_many, change_of_rows
 from .native_backend import compile_side_by_side, computes_on_cpu
 from .request import Request, request
 from .rows import columns_of, refuse_second_order, values_of
@@ -151,7 +153,9 @@ def _solved(
     sampled = times is not None
     wanted, values = request(structure, leaves, accuracy, ledger, engine, sampled)
     if any(isinstance(value, Tracer) for value in (*values, times)):
-        if not sampled and (known := known_primals(values)) is not None:
+        known = None if sampled else known_primals(values)
+        varied = _traced_places(wanted, values)
+        if known is not None and not are_many(wanted, known, varied):
             return wanted.solution(_known_rows(wanted, values, known))
         return wanted.solution(_rows_of(*_solve(wanted, values, times)))
     # Nothing to differentiate: half the time of a call would go into asking. Handing
@@ -159,6 +163,11 @@ def _solved(
     if not (values or sampled):
         return values_of(wanted, [], None, in_jax=True)
     return jax.device_put(values_of(wanted, values, times, in_jax=False))
+
+
+def _traced_places(wanted: Request, values: list) -> list[int]:
+    of_values = zip(wanted.places, values, strict=True)
+    return [place for place, value in of_values if isinstance(value, Tracer)]
 
 
 def _known_rows(wanted: Request, values: list, known: list) -> list[Array]:
@@ -198,6 +207,12 @@ def _solve_jvp(wanted: Request, primals, tangents):
     if not steps:
         rows = _stacked(values_of(wanted, values, times, in_jax))
         return rows, [jnp.zeros_like(part) for part in rows]
+    if are_many(wanted, values, list(steps)):
+        if in_jax:
+            rows = _solve(wanted, values, times)
+        else:
+            rows = _stacked(values_of(wanted, values, times, in_jax))
+        return rows, [change_of_rows(wanted, values, rows[0], steps)]
     solution, columns = columns_of(wanted, values, times, list(steps), in_jax)
     rows = _stacked(solution)
     if not in_jax:  # what is transposed later is outside of `own_settings`

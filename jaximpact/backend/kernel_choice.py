@@ -2,6 +2,7 @@
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -17,10 +18,12 @@ from ..impact.reduced_models import MODELS, PLANAR, PLANAR_DAMPED, exact_models
 from ..scene import Scene
 from .native_backend import compile_side_by_side, computes_on_cpu
 from .request import Request
-from .simd import MOST_DIRECTIONS, Kernel, KernelSet, Waiting
+from .simd import Kernel, KernelSet, Mode, Waiting
 
 
-def choose(wanted: Request, values: list, varied: list[int]):
+def choose(
+    wanted: Request, values: list, varied: Sequence[int], mode: Mode = Mode.VALUES
+):
     """Choose the kernels, and give the effort of each lane and the index of its kernel;
     None where there is no machine code, or none is asked for."""
     if not (wanted.engine.is_machine_code and computes_on_cpu()):
@@ -48,7 +51,7 @@ def choose(wanted: Request, values: list, varied: list[int]):
         ledger=wanted.ledger,
         sampled=wanted.sampled,
         possible=tuple(possible),
-        varied=bool(varied),
+        mode=mode,
         certain=not isinstance(models, Tracer),
     )
     kernels = _kernels(key)
@@ -96,8 +99,9 @@ def _effort(scene: Scene):
     """
     block, impact = scene.block, scene.impact
     xp = namespace_of(*jax.tree.leaves(scene))
-    size = xp.cbrt(block.mass / block.density)
-    return impact.speed * xp.cos(impact.angle) / xp.sqrt(size)
+    with np.errstate(all="ignore"):  # of values out of their ranges
+        size = xp.cbrt(block.mass / block.density)
+        return impact.speed * xp.cos(impact.angle) / xp.sqrt(size)
 
 
 class _Key(NamedTuple):
@@ -108,13 +112,12 @@ class _Key(NamedTuple):
     sampled: bool
     possible: tuple[int, ...]
     """Places in `MODELS` of those that lanes may need."""
-    varied: bool
-    """Whether there are derivatives."""
+    mode: Mode
     certain: bool
     """Whether it is known that lanes need all of these models."""
 
     def compile(self, assemblies: list[Assembly]) -> list[Kernel | None]:
-        return compile_side_by_side(assemblies, self.varied, self.sampled)
+        return compile_side_by_side(assemblies, self.mode, self.sampled)
 
 
 _kernel_sets: dict[_Key, KernelSet] = {}
@@ -149,8 +152,7 @@ def _kernels(key: _Key) -> KernelSet | None:
 def _waiting(key: _Key, assembly: Assembly) -> Waiting | None:
     """Describe a kernel that is compiled later; None if it is not known what all it
     depends on, or if dashpots are a user's, which might have no machine code."""
-    directions = MOST_DIRECTIONS if key.varied else 0
-    what, tree = naming(assembly, directions, key.sampled)
+    what, tree = naming(assembly, key.mode, key.sampled)
     description = described(tree)
     if description is None or users_code(tree.soil.damping):
         return None

@@ -14,17 +14,32 @@ from ..impact.problem import Assembly
 from ..impact.results import History, ImpactSummary
 from ..impact.specialize import depends
 from ..integrator.accumulators import cut
-from ..integrator.batched import Lanes, sample_lanes, start_lanes, step_lanes
+from ..integrator.batched import (
+    Lanes,
+    accepted_step,
+    sample_lanes,
+    start_lanes,
+    step_lanes,
+)
 from ..integrator.summarise import summarise_lanes
-from .simd import Code, Derivatives, LaneFunctions, compile_code
+from .simd import (
+    MOST_DIRECTIONS,
+    Code,
+    Derivatives,
+    LaneFunctions,
+    Mode,
+    Reverse,
+    compile_code,
+    compile_way_back,
+)
 
 
 @collector_paused()
 def code_of_lanes(
-    assembly: Assembly, directions: int, sampled: bool, thorough: bool = False
+    assembly: Assembly, mode: Mode, sampled: bool, thorough: bool = False
 ) -> Code:
-    """Compile the code of `native_backend.compile_native`, with derivatives along so
-    many directions; `thorough` as for `compile_code`."""
+    """Compile the code of `native_backend.compile_native`; `thorough` as for
+    `compile_code`."""
     one = jax.ShapeDtypeStruct((1,), float)
     leaves = assembly.structure.num_leaves
     # Scene, tolerance and floor
@@ -32,15 +47,22 @@ def code_of_lanes(
     lanes = _Lanes(assembly, sampled)
     sampling = (lanes.sample, _time_of) if sampled else ()
     functions = LaneFunctions(lanes.begin, lanes.step, lanes.finish, *sampling)
-    derivatives = None
-    if directions:
-        changing = _changing(lanes, inputs, leaves)
-        derivatives = Derivatives(directions, range(leaves), changing)
-    return compile_code(functions, inputs, derivatives, thorough)
+    if mode == Mode.VALUES:
+        return compile_code(functions, inputs, None, thorough)
+    changing = _changing(lanes, inputs, leaves)
+    if mode == Mode.FORWARD:
+        derivatives = Derivatives(MOST_DIRECTIONS, range(leaves), changing)
+        return compile_code(functions, inputs, derivatives, thorough)
+    reverse = Reverse(range(leaves), changing, accepted_step, _accepted_of)
+    return compile_way_back(functions, inputs, reverse, thorough)
 
 
 def _time_of(lanes: Lanes):
     return lanes.time
+
+
+def _accepted_of(lanes: Lanes):
+    return lanes.accepted
 
 
 class _Lanes(NamedTuple):

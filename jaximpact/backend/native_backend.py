@@ -32,6 +32,7 @@ from .simd import (
     MOST_DIRECTIONS,
     Code,
     Kernel,
+    Mode,
     NoMachineCode,
     Retries,
     host,
@@ -75,7 +76,10 @@ def _kept_here(compile_kernel: Callable) -> Any:
         with locks.setdefault(arguments.args, threading.Lock()):
             kernel = kernel_or_problem(*arguments.args)
         if isinstance(kernel, NoMachineCode):
-            without_machine_code(kernel)
+            if arguments.arguments.get("mode") == Mode.REVERSE:
+                _tell_slower_way(GRADIENT_FORWARDS, reason_of(kernel))
+            else:
+                without_machine_code(kernel)
             return None
         return kernel
 
@@ -87,38 +91,43 @@ def _kept_here(compile_kernel: Callable) -> Any:
 
 @_kept_here
 def compile_native(
-    assembly: Assembly, differentiated: bool = False, sampled: bool = False
+    assembly: Assembly, mode: Mode = Mode.VALUES, sampled: bool = False
 ) -> Kernel | None:
     """Compile an assembly of the model, from scenes, tolerance and floor, or load its
     code from the disk. None if its laws, which may be the user's own, do what has no
     machine code.
 
     Args:
-        differentiated: whether it also gives derivatives along `MOST_DIRECTIONS`
-            directions. Inputs then end with a row for each leaf of the scene, its
-            derivative along the direction, for each of them. They share steps, their
-            control and branches, and all that the value needs. The code is the same
-            whatever the leaves, so that it is compiled once. Results are a pair:
-            numbers, and a tuple of their derivatives along the directions.
+        mode: what it gives beside the numbers. `FORWARD` gives their derivatives along
+            `MOST_DIRECTIONS` directions. Inputs then end with a row for each leaf of
+            the scene, its derivative along the direction, for each of them. They share
+            steps, their control and branches, and all that the value needs. The code
+            is the same whatever the leaves, so that it is compiled once. Results are a
+            pair: numbers, and a tuple of their derivatives along the directions.
+            `REVERSE` gives a gradient: inputs end with a cotangent of each number, and
+            results are a pair, numbers and cotangents of the leaves of the scene.
         sampled: whether it also gives a `History` at times asked for on the way; then
             each direction has a row more, behind its leaves, for these times.
 
     State of the solver and constants of the problem are differentiated; widths of
     steps, and with them the time, are not.
     """
-    directions = MOST_DIRECTIONS if differentiated else 0
-    what, tree = naming(assembly, directions, sampled)
+    what, tree = naming(assembly, mode, sampled)
 
     def compile_lanes() -> Code:
         # It loads diffrax, which takes a while.
         from .lane_functions import code_of_lanes
 
-        with _telling_how_long(differentiated, bool(users_code(tree))):
-            return code_of_lanes(assembly, directions, sampled)
+        with _telling_how_long(mode, bool(users_code(tree))):
+            return code_of_lanes(assembly, mode, sampled)
 
     code = kept_code(what, tree, compile_lanes)
     numbers = empty_summary(assembly.ledger)
-    results = (numbers, (numbers,) * directions) if directions else numbers
+    results = {
+        Mode.VALUES: numbers,
+        Mode.FORWARD: (numbers, (numbers,) * MOST_DIRECTIONS),
+        Mode.REVERSE: (numbers, tree),
+    }[mode]
     structure = jax.tree.structure(numbers)
     rows = jax.tree.unflatten(structure, range(structure.num_leaves))
     # Of failed impacts, but for those that ran out of steps, and would do so again
@@ -134,7 +143,7 @@ def compile_native(
 
 
 @contextlib.contextmanager
-def _telling_how_long(differentiated: bool, of_user: bool) -> Iterator[None]:
+def _telling_how_long(mode: Mode, of_user: bool) -> Iterator[None]:
     """Tell that code is compiled, and how long that takes; of kernels that are compiled
     at once, the first one tells it."""
     if not _COMPILING.acquire(blocking=False):
@@ -142,8 +151,12 @@ def _telling_how_long(differentiated: bool, of_user: bool) -> Iterator[None]:
         return
     try:
         # Code of a user's law is traced by each process, and LLVM's part is kept.
-        what, low, high = ("derivatives", 3, 6) if differentiated else ("values", 2, 4)
-        low = 1 if of_user else low
+        what, low, high = {
+            Mode.VALUES: ("values", 2, 4),
+            Mode.FORWARD: ("derivatives", 3, 6),
+            Mode.REVERSE: ("gradients", 8, 16),
+        }[mode]
+        low = low // 2 if of_user else low
         with showing(None, delay=0.0):
             tell(
                 f"compiling machine code for {what}, once: {low} to {high} s on two "
@@ -155,7 +168,7 @@ def _telling_how_long(differentiated: bool, of_user: bool) -> Iterator[None]:
 
 
 def compile_side_by_side(
-    assemblies: Sequence[Assembly], differentiated: bool = False, sampled: bool = False
+    assemblies: Sequence[Assembly], mode: Mode = Mode.VALUES, sampled: bool = False
 ) -> list[Kernel | None]:
     """Compile assemblies of one structure as `compile_native` does, the largest model
     first: while LLVM compiles one of them in other processes, the next one is traced.
@@ -169,7 +182,7 @@ def compile_side_by_side(
 
     def compile_in_thread(assembly: Assembly) -> Kernel | None:
         with thread_settings():
-            return context.copy().run(compile_native, assembly, differentiated, sampled)
+            return context.copy().run(compile_native, assembly, mode, sampled)
 
     # What a user's law changes as it is traced must not meet another trace.
     tree = jax.tree.unflatten(structure, range(structure.num_leaves))
@@ -179,27 +192,35 @@ def compile_side_by_side(
         return list(kernels)[::-1]
 
 
+BY_XLA = (
+    "there is no machine code, and XLA computes: 10 to 20 times slower, after half a "
+    f"minute of compiling: {{}}; set {REQUIRED}=1 to refuse this"
+)
+GRADIENT_FORWARDS = (
+    "there is no machine code for gradients in reverse mode, and derivatives are taken "
+    "one by one, each in about the time of the value: {}"
+)
+
+
 def without_machine_code(problem: NoMachineCode) -> None:
     """Warn that XLA computes what has no machine code, or refuse it if that is asked
     for."""
-    reason = f"{problem} ({problem.place})" if problem.place else str(problem)
     if os.environ.get(REQUIRED):
         raise IncompleteError(
-            f"there is no machine code, which {REQUIRED} asks for: {reason}"
+            f"there is no machine code, which {REQUIRED} asks for: {reason_of(problem)}"
         ) from problem
-    _tell_slower_way(reason)
+    _tell_slower_way(BY_XLA, reason_of(problem))
+
+
+def reason_of(problem: NoMachineCode) -> str:
+    """Say why there is no machine code, and where that stands."""
+    return f"{problem} ({problem.place})" if problem.place else str(problem)
 
 
 @functools.cache
-def _tell_slower_way(reason: str) -> None:
-    """Warn, once for each reason, that impacts are computed by XLA."""
-    warnings.warn(
-        "there is no machine code, and XLA computes: 10 to 20 times "
-        f"slower, after half a minute of compiling: {reason}; set {REQUIRED}=1 to "
-        "refuse this",
-        NoMachineCodeWarning,
-        stacklevel=2,
-    )
+def _tell_slower_way(how: str, reason: str) -> None:
+    """Warn of a slower way, once for each reason."""
+    warnings.warn(how.format(reason), NoMachineCodeWarning, stacklevel=2)
 
 
 def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:

@@ -30,7 +30,7 @@ from . import MACHINE_CODE, XLA
 from .kernel_choice import choose, groups_of_leaves
 from .operation import call
 from .request import Request, request
-from .simd import MOST_DIRECTIONS, KernelSet
+from .simd import MOST_DIRECTIONS, KernelSet, Mode
 from .threads import thread_count
 
 LANES_OF_XLA = 512
@@ -86,7 +86,8 @@ def prepare(
     varied: Sequence[int] = (),
 ) -> str:
     """Compile what `compute_rows` needs, and return the name of what computes."""
-    chosen = choose(*request(structure, leaves, accuracy, ledger), list(varied))
+    mode = Mode.FORWARD if varied else Mode.VALUES
+    chosen = choose(*request(structure, leaves, accuracy, ledger), varied, mode)
     return XLA if chosen is None else MACHINE_CODE
 
 
@@ -97,8 +98,9 @@ def values_of(wanted: Request, values: list, times, in_jax: bool) -> Solution:
     if chosen is None:
         return _by_xla(wanted, values, times, [], in_jax)
     kernels, *turn = chosen
-    run: Callable = _by_operation if in_jax else _directly
-    rows, _ = run(kernels, (), wanted.places, wanted.rest, values, *turn, times)
+    rows, _ = run_by(in_jax)(
+        kernels, (), wanted.places, wanted.rest, values, *turn, times
+    )
     return wanted.solution(rows)
 
 
@@ -124,18 +126,22 @@ def columns_of(
 def _columns_of_group(
     wanted: Request, values: list, times, varied: list[int], in_jax: bool
 ):
-    chosen = choose(wanted, values, varied)
+    chosen = choose(wanted, values, varied, Mode.FORWARD)
     if chosen is None:
         return _by_xla(wanted, values, times, varied, in_jax)
     kernels, *turn = chosen
-    run: Callable = _by_operation if in_jax else _directly
-    rows, columns = None, []
+    run, rows, columns = run_by(in_jax), None, []
     for first in range(0, len(varied), MOST_DIRECTIONS):
         along = tuple(varied[first : first + MOST_DIRECTIONS])
         inputs = wanted.places, wanted.rest, values, *turn, times
         rows, along_each = run(kernels.along(len(along)), along, *inputs)
         columns += [tuple(part[k] for part in along_each) for k in range(len(along))]
     return wanted.solution(rows), columns
+
+
+def run_by(in_jax: bool) -> Callable:
+    """Return the function by which kernels compute rows: `in_jax` or directly."""
+    return _by_operation if in_jax else _directly
 
 
 def _by_operation(

@@ -22,7 +22,7 @@ from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, PLANAR, ROUND
 from ..laws import DeepestPoint, WorkConjugate
 from ..scene import Scene, Soil
-from .simd import LEVELS, MOST_DIRECTIONS, Code, host
+from .simd import LEVELS, Code, Mode, host
 
 ROOT = Path(__file__).parents[1]
 ARCHIVES = ROOT / "backend" / "machine_code"
@@ -31,36 +31,42 @@ SOURCE = "source"
 """What the manifest calls the digests of the files of the source, by their paths."""
 
 
-def usual_impacts() -> Iterator[tuple[Assembly, int, bool]]:
+def usual_impacts() -> Iterator[tuple[Assembly, Mode, bool]]:
     """List the impacts whose code is shipped, those of an ellipsoid on the laws of
-    `Soil`: each with its number of directions, 0 for values alone, and whether it has a
-    history. A single impact keeps the energy ledger, its plot needs the history, and
-    run-outs need the arm work, by either kinematics."""
+    `Soil`: each with the mode of its derivatives, and whether it has a history. A
+    single impact keeps the energy ledger, its plot needs the history, and run-outs need
+    the arm work, by either kinematics."""
     structure = jax.tree.structure(Scene())
     for model in MODELS:
-        yield Assembly(structure, model, False), 0, False
-        yield Assembly(structure, model, True), 0, False
-        yield Assembly(structure, model, True), 0, True
-        yield Assembly(structure, model, False), MOST_DIRECTIONS, False
+        for mode in Mode:
+            yield Assembly(structure, model, False), mode, False
+        for sampled in (False, True):
+            yield Assembly(structure, model, True), Mode.VALUES, sampled
     for kinematics in (DeepestPoint(), WorkConjugate()):
         structure = jax.tree.structure(Scene(soil=Soil(kinematics=kinematics)))
-        yield Assembly(structure, ROUND, ARM), 0, False
-        yield Assembly(structure, PLANAR, ARM), 0, False
+        yield Assembly(structure, ROUND, ARM), Mode.VALUES, False
+        yield Assembly(structure, PLANAR, ARM), Mode.VALUES, False
 
 
 def shipped_code(what: tuple, description: tuple | None) -> Code | None:
     """Return the code for the processor at hand, by what names it for `kept_code` and
     the description of its inputs; None where there is none, or the source has changed
     since it was made."""
-    level = host()[0]
-    if not sys.platform.startswith("linux") or level not in LEVELS:
-        return None
-    name = name_of(what, description)
-    if name not in names_in_archive(level):
+    if not is_shipped(what, description):
         return None
     # Not kept open: processes that are forked would share the place of reading.
-    with zipfile.ZipFile(ARCHIVES / f"{level}.zip") as archive:
-        return pickle.loads(archive.read(name))
+    with zipfile.ZipFile(ARCHIVES / f"{host()[0]}.zip") as archive:
+        return pickle.loads(archive.read(name_of(what, description)))
+
+
+def is_shipped(what: tuple, description: tuple | None) -> bool:
+    """Tell whether there is such code as `shipped_code` gives."""
+    level = host()[0]
+    return (
+        sys.platform.startswith("linux")
+        and level in LEVELS
+        and name_of(what, description) in names_in_archive(level)
+    )
 
 
 @functools.cache

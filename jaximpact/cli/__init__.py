@@ -12,7 +12,7 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from typing import TextIO
+from typing import TextIO, cast
 
 from .._packages import needed, version_of
 from ..errors import (
@@ -84,15 +84,14 @@ def main(
     """
     _prepare_streams()
     try:
-        with _warnings_in_one_line():
+        stdout = contextlib.redirect_stdout(cast(TextIO, _Stdout(sys.stdout)))
+        with _warnings_in_one_line(), stdout:
             _run(argv, make_parser or _parser)
     except InputError as error:
         return _report(f"error: {error}", 2)
     except KeyboardInterrupt as error:
         return _report("; ".join(("interrupted", *error.args)), 130)
     except BrokenPipeError:
-        # The reader of stdout has left (`| head`).
-        forget(sys.stdout)
         return 141
     except (OSError, IncompleteError) as error:
         return _report(f"error: {_stdout_problem() or error}", 1)
@@ -218,14 +217,40 @@ def _has_no_buffer(stream: TextIO) -> bool:
     return isinstance(getattr(stream, "buffer", None), io.RawIOBase)
 
 
+class _Stdout:
+    """Stdout whose errors say that they are its: those of the system name no file, and
+    of a text that is longer than its buffer nothing is left to try again."""
+
+    def __init__(self, stream: TextIO):
+        self._stream = stream
+
+    def __getattr__(self, name):
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        with self._named_errors():
+            return self._stream.write(text)
+
+    def flush(self) -> None:
+        with self._named_errors():
+            self._stream.flush()
+
+    @contextlib.contextmanager
+    def _named_errors(self):
+        try:
+            yield
+        except OSError as error:
+            forget(self._stream)
+            what = f"stdout cannot be written: {error.strerror}"
+            raise type(error)(what) from error
+
+
 def _stdout_problem() -> str | None:
-    """Why stdout cannot be written to; then what it holds is let go of. None if it
-    can."""
+    """Why stdout cannot be written to; None if it can."""
     try:
-        sys.stdout.flush()
+        _Stdout(sys.stdout).flush()
     except OSError as error:
-        forget(sys.stdout)
-        return f"stdout cannot be written: {error.strerror}"
+        return str(error)
     return None
 
 

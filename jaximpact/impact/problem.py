@@ -52,12 +52,12 @@ class Assembly(NamedTuple):
     ledger: LedgerItems
 
 
-def naming(assembly: Assembly, directions: int, sampled: bool) -> tuple[tuple, Any]:
-    """Name code of an assembly, with derivatives along directions and with samples: by
-    its choices, and a tree of the structure of its scenes."""
+def naming(assembly: Assembly, mode: str, sampled: bool) -> tuple[tuple, Any]:
+    """Name code of an assembly, of a mode of derivatives and with samples: by its
+    choices, and a tree of the structure of its scenes."""
     structure = assembly.structure
     tree = jax.tree.unflatten(structure, range(structure.num_leaves))
-    return (assembly._replace(structure=None), directions, sampled), tree
+    return (assembly._replace(structure=None), mode, sampled), tree
 
 
 def assemble(scene: Scene) -> Assembly:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import equinox as eqx
@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from .._precision import require_float64
 from .._settings import own_settings
 from .._tables import Row, align, html_table
 from .._types import Scalar
@@ -96,6 +97,9 @@ class History(NamedTuple):
     in_contact: Bool[Array, "*lanes times"] | None = None
     """Whether a time is in the contact; None with `history=True`, where all are."""
 
+    def __reduce__(self):
+        return read_in_float64, (type(self), *self)
+
     def __repr__(self) -> str:
         inside = (f"{name}={value}" for name, value, _ in self._rows())
         return f"History({', '.join(inside)})"
@@ -123,8 +127,8 @@ class History(NamedTuple):
             dims: names of the axes before that of time; by default `scene`, or
                 `scene_0`, `scene_1` and so on, as in `ImpactResult.to_xarray`.
 
-        Raises InputError for impacts with different times, for no impacts, and for a
-        wrong number of names.
+        Raises InputError for impacts with different times, for no impacts, for a wrong
+        number of names, and for a name of a series.
         """
         import xarray as xr
 
@@ -135,6 +139,7 @@ class History(NamedTuple):
                 f"dims must be {len(lanes)} names, one for each axis of the shape "
                 f"{lanes}, but is {dims!r}"
             )
+        check_beside_series(names)
         if 0 in lanes:
             raise InputError(
                 "a dataset needs at least one impact, but the history has shape "
@@ -153,6 +158,22 @@ class History(NamedTuple):
             if name != "time" and series is not None
         }
         return xr.Dataset(variables, {"time": ("time", base, _attributes("time"))})
+
+
+def read_in_float64(kind: type, *items):
+    """Make what is read from a pickle, as `_module.set_in_float64` does of modules."""
+    require_float64()
+    return kind(*items)
+
+
+def check_beside_series(dimensions: Iterable[str]) -> None:
+    """Raise InputError for a dimension with the name of a series of histories."""
+    for name in dimensions:
+        if name in SERIES:
+            raise InputError(
+                f"{name} cannot be the name of a dimension, as it is that of a series "
+                "over time"
+            )
 
 
 def _attributes(name: str) -> dict[str, str]:
@@ -270,6 +291,9 @@ class EnergyLedger(NamedTuple):
     """Work of the arm between the foundation's centre and the deepest point."""
     stiffness: Scalar
     """Work of the change of stiffness."""
+
+    def __reduce__(self):
+        return read_in_float64, (type(self), *self)
 
     @property
     def residual(self) -> Scalar:

@@ -137,6 +137,13 @@ def step_lanes(lanes: Lanes) -> Lanes:
     )
 
 
+def accepted_step(lanes: Lanes) -> Lanes:
+    """Take the step that is tried next, as one that is accepted, in every lane. What
+    derivatives do not see stays as it is: the times of steps, and their control."""
+    after, _ = advance(lanes.problem, lanes.state, lanes.time, lanes.until - lanes.time)
+    return lanes._replace(state=after)
+
+
 def sample_lanes(lanes: Lanes, times: LaneScalars) -> History:
     """Return the histories of the impacts at times in their last steps."""
     assert lanes.state.last is not None, "lanes that are sampled"

@@ -18,7 +18,6 @@ from ..errors import InputError
 from ..identity import name_of, part_names
 from ..impact.results import (
     SCENE_DIMENSION,
-    SERIES,
     History,
     ImpactSummary,
     dimension_names,
@@ -200,7 +199,6 @@ def dataset_of(
     coordinates = dict(coordinates)
     history = getattr(summary, "history", None)
     if history is not None and _has_one_time_base(history):
-        check_beside_series(dimensions)
         history = jax.tree.map(
             lambda series: np.reshape(series, (*shape, np.shape(series)[-1])), history
         )
@@ -213,16 +211,6 @@ def dataset_of(
         **shapes_attribute(kinds),
     }
     return xr.Dataset(variables, coordinates, attributes)
-
-
-def check_beside_series(dimensions: Iterable[str]) -> None:
-    """Raise InputError for a dimension with the name of a series of histories."""
-    for name in dimensions:
-        if name in SERIES:
-            raise InputError(
-                f"{name} cannot be the name of a dimension, as it is that of a series "
-                "over time"
-            )
 
 
 def _has_one_time_base(history: History) -> bool:

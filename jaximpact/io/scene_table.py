@@ -57,8 +57,8 @@ SHORT_MARKS = {
     -99.0: ("-", "m", "s"),
     -999.0: ("-", "m", "s", "m/s", "rad", "deg"),
 }
-"""Marks for no data that may be a result too, each with the units of results that
-cannot be so large. Those of `NO_DATA` are no result, and are refused."""
+"""Marks for no data that may be a value too, each with the units of values that are
+not so large. Those of `NO_DATA` are no result, and are refused as one."""
 SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
 THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+(\.[0-9]*)?")
 """A number with commas between its thousands."""
@@ -164,7 +164,10 @@ def table_of(
         if name in columns:
             warn_of_unusual(path, columns[name], values, table.lines)
         elif name in TARGET_COLUMNS:
-            _warn_of_marks(path, name, values, table.lines)
+            unit = TARGET_COLUMNS[name].unit
+            _warn_of_marks(
+                path, name, unit, values, table.lines, "leave the cell empty"
+            )
     return table
 
 
@@ -478,26 +481,33 @@ def warn_of_unusual(
     values: np.ndarray,
     lines: Sequence[int] | np.ndarray,
 ) -> None:
-    """Warn of the first unusual value of a column, in its unit, and name its row by the
-    line of each, `(rows,)`."""
+    """Warn of the first unusual value of a column, in its unit, and of the first usual
+    one that may be a mark for no data; name its row by the line of each, `(rows,)`."""
     bad = column.is_unusual(values)
 
     def words(index: int, where: str) -> str:
         return column.describe(values[index], column.unit, where)
 
     _warn_of_first(path, column.name, lines, bad, words)
+    usual = np.where(bad, np.nan, values)
+    _warn_of_marks(path, column.name, column.unit, usual, lines, "write the true value")
 
 
 def _warn_of_marks(
-    path: Path, name: str, values: np.ndarray, lines: np.ndarray
+    path: Path,
+    name: str,
+    unit: str,
+    values: np.ndarray,
+    lines: Sequence[int] | np.ndarray,
+    cure: str,
 ) -> None:
-    """Warn of the first measurement of a result that may be a mark for no data."""
-    unit = TARGET_COLUMNS[name].unit
-    marks = [mark for mark, units in SHORT_MARKS.items() if unit in units]
+    """Warn of the first value of a column that may be a mark for no data; `cure` says
+    what to do if it is."""
+    short = [mark for mark, units in SHORT_MARKS.items() if unit in units]
+    marks = [*NO_DATA, *short]
 
     def words(index: int, where: str) -> str:
-        cure = "if that is a mark for no data, leave the cell empty"
-        return f"{values[index]:g}{where}; {cure}"
+        return f"{values[index]:g}{where}; if that is a mark for no data, {cure}"
 
     _warn_of_first(path, name, lines, np.isin(values, marks), words)
 

@@ -10,6 +10,7 @@ import jax
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from ..impact.events import Outcome
 from ..impact.results import History, ImpactSummary
@@ -20,6 +21,7 @@ from .style import (
     BLUE,
     GREEN,
     GREY,
+    LINE,
     ORANGE,
     PURPLE,
     SKY,
@@ -37,8 +39,11 @@ from .style import (
 FORCE_UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"))
 LENGTH_UNITS = ((1e-2, "cm"), (1e-3, "mm"))
 ENERGY_UNITS = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"))
-LINE = 100
-"""Letters of a line of the title: of 10 points they take 7 of the figure's 8 inches."""
+ARROW, ROOM = 32.0, 80.0
+"""Length of the arrow of gravity, and the width that it takes with its word at the
+tail, on any slope [points]."""
+NARROWEST = 0.75
+"""Least width over height of the side view: the numbers of three ticks have room."""
 
 
 @in_style
@@ -58,8 +63,8 @@ def plot_impact(
     is and say so.
     """
     if on is None or isinstance(on, Figure):
-        figure, panels = _five_panels(on or Figure())
-        figure.suptitle(f"{scene_in_words(scene)}\n{outcome_in_words(summary)}")
+        title = f"{scene_in_words(scene)}\n{outcome_in_words(summary)}"
+        figure, panels = _five_panels(on or Figure(), title)
     else:
         figure, panels = given_axes(on, 5)
     history = _finite_part(history)
@@ -73,8 +78,10 @@ def plot_impact(
     return figure
 
 
-def _five_panels(figure: Figure) -> tuple[Figure, list[Axes]]:
-    figure.set_size_inches(WIDTH, 9.0)
+def _five_panels(figure: Figure, title: str) -> tuple[Figure, list[Axes]]:
+    # Further lines of the title take nothing from the panels.
+    figure.set_size_inches(WIDTH, 9.0 + 0.17 * (title.count("\n") - 1))
+    figure.suptitle(title)
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.3))
     places = grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]
     panels = [figure.add_subplot(place) for place in places]
@@ -358,28 +365,45 @@ def draw_side_view(axes: Axes, scene: Scene, history: History) -> None:
     axes.axhspan(low, 0.0, color=SOIL, zorder=0)
     axes.set_ylim(low, high)
     axes.set_aspect("equal", adjustable="box")
+    slope = float(scene.impact.slope)
+    if slope != 0.0:
+        _draw_gravity(axes, slope)
+    left, right = axes.get_xlim()
+    narrow = max(NARROWEST * (high - low) - (right - left), 0.0)
+    axes.set_xlim(left - 0.5 * narrow, right + 0.5 * narrow)
     axes.apply_aspect()
     inches = axes.figure.dpi_scale_trans.inverted()
     panel = axes.get_window_extent().transformed(inches)
     few_ticks(axes, panel.width, panel.height)
     axes.set_xlabel("along the ground, down-slope [m]")
     axes.set_ylabel("height over the ground [m]")
-    slope = float(scene.impact.slope)
-    if slope != 0.0:
-        # In the upper corner that the block has not come from
-        axes.annotate(
-            "gravity",
-            xy=(0.2 if shift[-1] < 0.0 else 0.8, 0.72),
-            xycoords="axes fraction",
-            xytext=(-32.0 * np.sin(slope), 32.0 * np.cos(slope)),
-            textcoords="offset points",
-            ha="center",
-            arrowprops=dict(arrowstyle="->"),
-        )
     axes.legend(
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
         ncols=3,
         handlelength=1.2,
         columnspacing=1.0,
+    )
+
+
+def _draw_gravity(axes: Axes, slope: float) -> None:
+    """Draw the direction of gravity beside the block: the view is widened for it."""
+    panel, points = axes.get_window_extent(), axes.figure.dpi / 72.0
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    # The lesser of the scales to which the panel's width and its height lead.
+    part = min(ROOM * points / panel.width, 0.5)
+    by_width = part / (1.0 - part) * (right - left)
+    by_height = ROOM * points / panel.height * (high - low)
+    axes.set_xlim(left, right + max(by_width, by_height))
+    across, down = ARROW * np.sin(slope), ARROW * np.cos(slope)
+    tip = 0.5 * (across - ROOM) / 72.0, -(18.0 + down) / 72.0
+    from_corner = ScaledTranslation(*tip, axes.figure.dpi_scale_trans)
+    axes.annotate(
+        "gravity",
+        xy=(1.0, 1.0),
+        xycoords=axes.transAxes + from_corner,
+        xytext=(-across, down),
+        textcoords="offset points",
+        ha="center",
+        arrowprops=dict(arrowstyle="->"),
     )

@@ -19,6 +19,7 @@ from cycler import cycler
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from PIL import Image
 
@@ -38,6 +39,11 @@ MOST_CURVES = len(COLOURS) * len(LINES)
 
 WIDTH = 8.0
 """Width of a drawing [inch]; wider ones are shrunk where they are shown."""
+LINE = 100
+"""Letters of a line of the title of such a drawing: of 10 points they take 7 of its 8
+inches."""
+MOST_LETTERS = 24
+"""Letters of a name at a tick: slanted they take an inch of a panel's height."""
 DPI = 150
 """Resolution of saved drawings [pixels per inch]."""
 
@@ -78,15 +84,15 @@ On = Figure | Axes | Sequence[Axes] | np.ndarray | None
 
 
 def given_axes(on: Any, count: int) -> tuple[Any, list[Axes]]:
-    """Return the figure of axes that a user gave, and these. Raises InputError unless
-    there is one for each panel."""
+    """Return the figure of axes that a user gave, the whole one of a subfigure's, and
+    these. Raises InputError unless there is one for each panel."""
     axes = list(np.ravel(on))
     if len(axes) != count or not all(isinstance(one, Axes) for one in axes):
         raise InputError(
             f"ax must be Matplotlib's axes, one for each of {count} panels, but is "
             f"{on!r}"
         )
-    return axes[0].get_figure(), axes
+    return axes[0].figure.figure, axes
 
 
 @in_style
@@ -150,11 +156,10 @@ def panels(
     """
     if on is not None and not isinstance(on, Figure):
         return given_axes(on, count or rows * columns)
-    room = 0.4 if title else 0.0
     figure = on or Figure()
-    figure.set_size_inches(width, rows * height + room)
+    figure.set_size_inches(width, rows * height + (0.4 if title else 0.0))
     if title:
-        figure.suptitle(title)
+        _set_title(figure, title)
     axes = list(figure.subplots(rows, columns, squeeze=False, **subplots).flat)
     for unused in axes[count:] if count is not None else ():
         unused.remove()
@@ -162,6 +167,16 @@ def panels(
     for panel in axes:
         few_ticks(panel, width / columns - 0.8, height - 0.6)
     return figure, axes
+
+
+def _set_title(figure: Figure, title: str) -> None:
+    """Set the title, in as many lines as have room beside each other; the figure grows
+    by those that are added."""
+    letters = int(LINE / WIDTH * figure.get_figwidth())
+    lines = [textwrap.fill(line, letters) for line in title.split("\n")]
+    more = sum(line.count("\n") for line in lines)
+    figure.set_figheight(figure.get_figheight() + 0.17 * more)
+    figure.suptitle("\n".join(lines))
 
 
 def few_ticks(axes: Axes, width: float, height: float) -> None:
@@ -234,32 +249,46 @@ def legend_outside(
     figure: Figure,
     handles: Sequence[Artist] | None = None,
     place: Literal["lower center", "upper center", "right upper"] = "lower center",
+    *,
+    of: Sequence[Axes] | None = None,
     **how,
 ) -> None:
-    """Put one legend for all panels outside them, where it covers nothing.
+    """Put one legend for all panels outside them, where it covers nothing; in the first
+    of them where a user's figure has other panels, or keeps no room.
 
     Args:
         handles: of the series; without them those of all panels, each name once.
-        how: further arguments of `Figure.legend`, such as title or ncols.
+        of: the panels, where they may be a user's; else those of the figure.
+        how: further arguments of `Figure.legend`, such as title or ncols: fewer columns
+            where long names leave no room for so many.
     """
+    drawn = figure.axes if of is None else of
     if handles is None:
         by_label = {}
-        for panel in figure.axes:
+        for panel in drawn:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 by_label.setdefault(label, handle)
         handles = list(by_label.values())
     if handles:
         columns = 1 if place.startswith("right") else min(len(handles), 6)
         how = {"ncols": columns, "columnspacing": 1.2, **how}
-        if not figure.get_constrained_layout():  # a user's, which keeps no room
-            figure.axes[0].legend(handles=handles, **how)
+        if not figure.get_constrained_layout() or len(drawn) < len(figure.axes):
+            drawn[0].legend(handles=handles, **how)
             return
         how["loc"] = f"outside {place}"
+        legend = figure.legend(handles=handles, **how)
+        while how["ncols"] > 1 and _is_wider(legend, figure):
+            legend.remove()
+            how["ncols"] -= 1
+            legend = figure.legend(handles=handles, **how)
         rows = math.ceil(len(handles) / how["ncols"])
         if not place.startswith("right") and rows > 8:
             # Rows of 0.2 inch beyond these would leave no height for the panels.
             figure.set_figheight(figure.get_figheight() + 0.2 * (rows - 8))
-        figure.legend(handles=handles, **how)
+
+
+def _is_wider(legend: Legend, figure: Figure) -> bool:
+    return legend.get_window_extent().width > figure.bbox.width
 
 
 def empty_panel(axes: Axes, words: str) -> None:
@@ -274,6 +303,14 @@ def empty_panel(axes: Axes, words: str) -> None:
 def plain(text: str) -> str:
     """Prepare text of the user's for a drawing, in which dollars begin no formula."""
     return text.replace("$", r"\$")
+
+
+def tick_name(name: str) -> str:
+    """Prepare a name of the user's for a tick; the middle of a long one is left out."""
+    half = (MOST_LETTERS - 3) // 2
+    return plain(
+        name if len(name) <= MOST_LETTERS else f"{name[:half]}...{name[-half:]}"
+    )
 
 
 @in_style

@@ -26,6 +26,11 @@ SOBOL_BARS = (
     ("total_order", "total", SKY, -0.2),
 )
 """Variable, label, colour and place of the bars of a parameter."""
+PAGE = 10.5
+"""Height of the panels of a drawing that fits on a page of A4 [inch]."""
+LEAST_ROW = 0.17
+"""Height of a row whose name of 9 points, an eighth of an inch, can be read [inch];
+drawings that need less are longer than a page."""
 DOUBTFUL = (Check.differs, Check.undecided)
 """Verdicts by which differences do not confirm a derivative."""
 
@@ -46,22 +51,26 @@ def draw_tornado(dataset: xr.Dataset, on: On = None) -> Figure:
     Raises ValueError for a dataset of many impacts, or of something else.
     """
     dataset = _with_dimensions(dataset, "elasticity")
-    height = 1.3 + 0.28 * dataset.sizes["parameter"]
-    figure, axes = _panels_of_outputs(dataset, height, ELASTICITIES_TITLE, on)
+    figure, axes = _panels_of_outputs(dataset, 1.3, 0.28, ELASTICITIES_TITLE, on)
     for panel, name in zip(axes, dataset.output.values, strict=True):
         _draw_tornado(panel, dataset.sel(output=name))
     return figure
 
 
 def _panels_of_outputs(
-    dataset: xr.Dataset, height: float, title: str, on: On
+    dataset: xr.Dataset, around: float, row: float, title: str, on: On
 ) -> tuple[Figure, list[Axes]]:
-    """Begin a figure with a panel for each output, in whose rows parameters stand."""
+    """Begin a figure with a panel for each output, in whose rows parameters stand: of
+    the height `row`, or less, so that the figure fits on a page, with `around` for what
+    stands about them [inch]."""
     count = dataset.sizes["output"]
     # Long names leave panels side by side no room for their bars and numbers.
     longest = max(map(len, map(str, dataset.parameter.values)))
     columns = min(count, 3 if longest < 13 else 2 if longest < 20 else 1)
     rows = -(-count // columns)
+    parameters = dataset.sizes["parameter"]
+    fitting = (PAGE / rows - around) / parameters
+    height = around + parameters * float(np.clip(fitting, LEAST_ROW, row))
     return panels(rows, columns, height=height, count=count, title=title, on=on)
 
 
@@ -171,9 +180,7 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
     Raises ValueError for a dataset of something else.
     """
     dataset = _with_dimensions(dataset, "total_order")
-    parameters = dataset.sizes["parameter"]
-    height = 1.1 + 0.4 * parameters
-    figure, axes = _panels_of_outputs(dataset, height, SOBOL_TITLE, on)
+    figure, axes = _panels_of_outputs(dataset, 0.9, 0.4, SOBOL_TITLE, on)
     for panel, name in zip(axes, dataset.output.values, strict=True):
         of_output = dataset.sel(output=name)
         panel.set_title(name)
@@ -181,7 +188,7 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
             empty_panel(panel, str(np.ravel(of_output.reason)[0]))
             continue
         of_output = of_output.sortby("total_order")
-        places = np.arange(parameters)
+        places = np.arange(dataset.sizes["parameter"])
         for order, label, colour, side in SOBOL_BARS:
             panel.barh(
                 places + side,
@@ -193,10 +200,11 @@ def draw_sobol(dataset: xr.Dataset, on: On = None) -> Figure:
                 error_kw={"lw": 1.0},
             )
         panel.set_yticks(places, of_output.parameter.values)
+        panel.set_ylim(-0.6, len(places) - 0.4)
         panel.grid(visible=False, axis="y")
         panel.axvline(0.0, color="black", lw=0.8)
         panel.set_xlabel("Sobol index [-]")
-    legend_outside(figure, ncols=2)
+    legend_outside(figure, of=axes, ncols=2)
     return figure
 
 

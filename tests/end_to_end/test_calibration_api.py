@@ -137,17 +137,22 @@ def test_a_summary_says_what_is_not_determined(written):
     assert tree["variants"][0]["parameters"] == found.parameters
 
 
-def test_plots_are_axes_and_files(found, tmp_path):
+@pytest.mark.parametrize("layout", [None, "constrained"])
+def test_plots_are_axes_and_files(found, tmp_path, layout):
     path = tmp_path / "fit.png"
     drawn = found.plot(path)
     assert path.stat().st_size > 1000
-    figure, axes = pyplot.subplots(2, 2)
+    figure, axes = pyplot.subplots(2, 2, layout=layout)
     targets = found.result.study.targets
     assert len(np.ravel(drawn)) == len(targets)
-    assert found.plot_profile("c_v", ax=axes[0, 0]) is axes[0, 0]
-    assert axes[0, 0].get_xlabel() == "c_v"
+    axes[1, 1].plot([0.0, 1.0], label="a line of the user's")
     found.plot_residuals("speed_mps", ax=axes[0, 1])
     assert axes[0, 1].get_xlabel() == "speed [m/s]"
+    words = axes[0, 1].get_legend().get_texts()
+    assert [text.get_text() for text in words] == [*targets]
+    assert axes[0, 0].get_legend() is axes[1, 1].get_legend() is None
+    assert found.plot_profile("c_v", ax=axes[0, 0]) is axes[0, 0]
+    assert axes[0, 0].get_xlabel() == "c_v"
     found.plot_draws("c_v", "gamma_v", ax=axes[1, 0])
     assert axes[1, 0].get_ylabel() == "gamma_v [m/s]"
     pyplot.close(figure)

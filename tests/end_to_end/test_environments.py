@@ -40,6 +40,12 @@ e_t = 0.8
             1,
             "error: stdout cannot be written: No space left",
         ),
+        (  # longer than the buffer of stdout
+            "schema simulate >/dev/full",
+            {},
+            1,
+            "error: stdout cannot be written: No space left",
+        ),
         (
             "simulate s.toml >/dev/full",
             {},

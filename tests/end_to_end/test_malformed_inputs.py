@@ -463,10 +463,19 @@ def test_masked_measurements_are_empty():
         ("tangential_impulse_Ns", [-999.0, 1e3], None),
         ("omega_radps", [-99.0, -999.0], None),
         ("angular_velocity_degps", [-99.0, -999.0], None),
+        (
+            "angular_velocity_degps",
+            [9.0, -9999.0],
+            "row 3, column angular_velocity_degps: is -9999; .*write the true value$",
+        ),
+        ("delta_1", [-99.0, 0.0], "row 2, column delta_1: is -99; if that is a mark"),
+        ("delta_2", [0.0, -999.0], "row 3, column delta_2: is -999; if that is a mark"),
+        ("orientation_deg", [-99.0, 0.0], None),
+        ("orientation_deg", [0.0, -999.0], "row 3, .* is -999 deg; usual are -360 to"),
     ],
 )
-def test_measurements_that_may_be_marks_for_no_data_are_warned_of(name, values, said):
-    """Where the result cannot be so large: a force or a spin may."""
+def test_values_that_may_be_marks_for_no_data_are_warned_of(name, values, said):
+    """Where the value cannot be so large: a force or a spin may."""
     with warned_once(UnusualValueWarning, said):
         table_given(GOOD | {name: values})
 

@@ -1,5 +1,6 @@
 """Sobol indices and elementary effects: known ones, with failures among the samples."""
 
+import itertools
 import json
 import types
 
@@ -303,6 +304,17 @@ def test_drawings_of_long_names_and_many_parameters_can_be_read(ishigami_model):
             for words in panel.texts:  # why it is empty
                 (low, high), (left, right) = box_of(panel), box_of(words)
                 assert low < left < right < high
+    # Five parameters of twelve outputs fit on a page of A4, and no names collide.
+    some = found.isel(output=[0] * 12, parameter=[0, 1, 2, 0, 1])
+    some = some.assign_coords(output=[*RESULT_COLUMNS][:12], parameter=[*"abcde"])
+    figure = draw_sobol(some)
+    assert figure.get_figheight() < 11.7
+    figure.draw_without_rendering()
+    for panel in figure.axes:
+        boxes = [label.get_window_extent() for label in panel.get_yticklabels()]
+        assert len(boxes) == 5
+        for lower, upper in itertools.pairwise(boxes):
+            assert lower.y1 < upper.y0
     # Thirty parameters, as many as an impact has.
     many = found.isel(output=[0], parameter=[0, 1, 2] * 10)
     heat_map = draw_heat_map(many)

@@ -413,6 +413,14 @@ DAMAGES = {
     "the seed is no whole number": (("manifest", "seed"), 1.5),
     "a target is unknown": (("manifest", "targets"), ["foo"]),
     "there is no variant": (("variants",), []),
+    "the discrepancy is null": ((*FIRST, "discrepancy", "factor"), None),
+    "its freedom is null": ((*FIRST, "discrepancy", "freedom"), None),
+    "its count is null": ((*FIRST, "discrepancy", "left_out"), None),
+    "its groups are null": ((*FIRST, "discrepancy", "groups"), None),
+    "its scatter is null": ((*FIRST, "discrepancy", "scatter", 0), None),
+    "its places are null": ((*FIRST, "discrepancy", "places", 0), [None, 0.0, 0.0]),
+    "a simple law's value is null": (("simple_laws", 0, "values", 0), None),
+    "its sigma is null": (("simple_laws", 0, "sigma", 0), None),
 }
 
 

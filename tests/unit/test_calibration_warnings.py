@@ -1,5 +1,6 @@
 """What a report says against trusting a fit: units, misfit, starts, few tests."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import jax
@@ -261,6 +262,10 @@ def test_a_fit_that_predicts_worse_than_the_mean_of_the_other_tests():
     assert "its rms error is 0.122, that of the fit 0.147" in text
     assert words(1.05 * of_mean) == []
     assert worse_than_mean(known, None, 0) == []
+    # Of measurements that are all the same the mean has no error but rounding.
+    known = dataclasses.replace(known, measured=np.full((3, 1), 0.2))
+    assert words(1e-7) == []
+    assert words(1e-2) != []
 
 
 def test_no_freedom_is_none_whatever_rounding_leaves():

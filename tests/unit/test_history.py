@@ -245,6 +245,9 @@ def test_dataset_has_units_and_one_time_base():
         own_times.to_xarray()
     with pytest.raises(ValueError, match="dims must be 2 names"):
         of_speeds(speed, TIMES).to_xarray(("speed",))
+    for name in ("time", "penetration"):
+        with pytest.raises(InputError, match=f"{name} cannot be the name of a dimen"):
+            of_speeds(speed, TIMES).to_xarray(("speed", name))
     none = jax.tree.map(lambda _: np.zeros((0, 5)), empty_history(ledger=False))
     with pytest.raises(InputError, match=r"at least one impact, .* shape \(0,\)"):
         none.to_xarray()

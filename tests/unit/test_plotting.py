@@ -16,16 +16,34 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate
-from jaximpact.calibration.report.drawings import draw_residuals, only_varying
+from jaximpact.calibration.diagnostics.identifiability import (
+    LikelihoodProfile,
+    _within,
+)
+from jaximpact.calibration.problem.bounds import Bounds
+from jaximpact.calibration.report.drawings import (
+    draw_left_out,
+    draw_profile,
+    draw_residuals,
+    draw_study,
+    only_varying,
+)
 from jaximpact.errors import InputError
 from jaximpact.plotting.impact import outline, scene_in_words
-from jaximpact.plotting.style import COLOURS, WIDTH, plotted, png_bytes
+from jaximpact.plotting.style import (
+    COLOURS,
+    DPI,
+    WIDTH,
+    legend_outside,
+    plotted,
+    png_bytes,
+)
 from jaximpact.plotting.style import panels as panels_of
 from jaximpact.reports.tables import at_x
 from jaximpact.runout.back_analysis.drawing import draw_channel
 from jaximpact.runout.back_analysis.observed import ObservedValues
 from jaximpact.runout.back_analysis.predictive import ChannelPrediction
-from jaximpact.runout.study.drawing import CURVES, draw_collectors
+from jaximpact.runout.study.drawing import CURVES, draw_collectors, draw_stops
 
 SPINNING = Impact.from_degrees(orientation=17, angular_velocity=20_000)
 """Its block separates at once: the side view is of one outline, and narrow."""
@@ -104,11 +122,20 @@ def drawn_boxes(texts):
     return [text.get_window_extent() for text in texts if text.get_text()]
 
 
-def test_numbers_stand_within_their_panel_and_beside_the_legend():
-    """Of a block that comes in up-slope too, whose T and rotation are negative."""
-    block, impact = Block(aspect_ratio=1.7, mass=1e5), Impact(angle=-1.2, speed=60.0)
-    axes = panels(recorded(block, Soil(), impact).plot())
-    assert axes["contact force"].get_ylabel() == "force [MN]"
+UP_SLOPE = Block(aspect_ratio=1.7, mass=1e5), Soil(), Impact(angle=-1.2, speed=60.0)
+"""T and rotation are negative."""
+PRISM = (
+    Block(aspect_ratio=1.5, shape="RectangularPrism"),
+    Soil(),
+    Impact(angle=1.2, speed=12.0, orientation=0.7, angular_velocity=20.0, slope=1.5),
+)
+"""It has a title of three lines."""
+
+
+@pytest.mark.parametrize(("scene", "unit"), [(UP_SLOPE, "MN"), (PRISM, "kN")])
+def test_numbers_stand_within_their_panel_and_beside_the_legend(scene, unit):
+    axes = panels(recorded(*scene).plot())
+    assert axes["contact force"].get_ylabel() == f"force [{unit}]"
     axes["rotation"].figure.canvas.draw()
     for name in ("contact force", "penetration", "rotation"):
         frame = axes[name].get_window_extent()
@@ -120,14 +147,36 @@ def test_numbers_stand_within_their_panel_and_beside_the_legend():
             assert not any(box.overlaps(of_word) for of_word in words), name
 
 
-def test_numbers_of_a_narrow_side_view_do_not_collide():
+@pytest.mark.parametrize(
+    ("aspect_ratio", "impact"), [(2.0, SPINNING), (4.0, Impact(speed=1e-3))]
+)
+def test_numbers_of_a_narrow_side_view_do_not_collide(aspect_ratio, impact):
     """Their places are those of the figure as it is drawn."""
-    view = recorded(Block(aspect_ratio=2.0), Soil(), SPINNING).plot()[-1]
+    view = recorded(Block(aspect_ratio=aspect_ratio), Soil(), impact).plot()[-1]
     view.figure.canvas.draw()
     boxes = drawn_boxes(view.get_xticklabels())
     between = [right.x0 - left.x1 for left, right in pairwise(boxes)]
     assert len(between) >= 2
     assert min(between) > boxes[0].height / 2  # half a letter's height
+
+
+@pytest.mark.parametrize("slope", [-0.6, 0.3, 1.5])
+@pytest.mark.parametrize("angle", [0.5, -0.9])
+def test_gravity_stands_beside_the_block(slope, angle):
+    """Beside one upright, whose view is as high as there is room, and one that lies,
+    whose view is as wide."""
+    orientation = 0.5 * np.pi * (angle < 0.0)
+    impact = Impact(slope=slope, angle=angle, orientation=orientation, speed=12.0)
+    view = recorded(Block(aspect_ratio=3.0), Soil(), impact).plot()[-1]
+    view.figure.canvas.draw()
+    (gravity,) = view.texts
+    frame, drawn = view.get_window_extent(), gravity.get_window_extent()  # arrow too
+    rightmost = max(
+        view.transData.transform(line.get_xydata())[:, 0].max()
+        for line in view.get_lines()[1:]  # of which the first is the ground
+    )
+    assert rightmost < drawn.x0 < drawn.x1 < frame.x1
+    assert frame.y0 < drawn.y0 < drawn.y1 < frame.y1
 
 
 def test_energy_fills_what_is_available(result):
@@ -271,6 +320,14 @@ def test_axes_given_are_drawn_on_and_returned(result):
         result.plot(ax=axes[:2])
 
 
+def test_axes_of_a_subfigure_are_saved_with_the_whole_figure(result, tmp_path):
+    left, right = pyplot.figure(figsize=(4.0, 6.0), dpi=50).subfigures(1, 2)
+    right.subplots()
+    result.plot(tmp_path / "impact.png", ax=left.subplots(5, 1))
+    with Image.open(tmp_path / "impact.png") as image:
+        assert image.size == (4.0 * DPI, 6.0 * DPI)
+
+
 def test_figures_that_are_not_saved_are_pyplots(result, tmp_path):
     result.plot(tmp_path / "impact.png")
     assert not pyplot.get_fignums()
@@ -287,6 +344,43 @@ def test_a_drawing_that_fails_leaves_no_figure():
     with pytest.raises(ValueError):  # noqa: PT011
         plotted(fails)
     assert not pyplot.get_fignums()
+
+
+def is_within(artist, figure):
+    box = artist.get_window_extent()
+    return 0.0 < box.x0 < box.x1 < figure.bbox.width
+
+
+def test_long_titles_and_labels_stay_within_the_figure():
+    title = "The slope above the village, of which much is to be said: " * 3
+    figure, (axes,) = panels_of(height=2.0, title=title)
+    for number in range(3):
+        axes.plot([number], label=f"variant {number} with the name of a law of ours")
+    legend_outside(figure, ncols=3)
+    figure.draw_without_rendering()
+    assert " ".join(figure.get_suptitle().split()) == title.strip()
+    assert is_within(figure.texts[0], figure)
+    (legend,) = figure.legends
+    assert is_within(legend, figure)
+    assert len(legend.get_texts()) == 3
+    assert axes.get_window_extent().height > 1.0 * figure.dpi
+
+
+def test_tests_of_long_names_are_told_apart_at_an_axis():
+    names = [f"{'drop of the block on the meadow' * 3} {number}" for number in "123"]
+    study = study_of_columns(
+        {"speed_mps": [5.0, 8.0, 9.0, 9.0], "e_n": [0.1] * 4, "name": [*names, "1"]}
+    )
+    predicted = np.zeros((4, 1))
+    left = SimpleNamespace(quantile=2.0, standardised=lambda measured: predicted)
+    figure = draw_left_out(SimpleNamespace(study=study), left)
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    shown = [label.get_text() for label in axes.get_xticklabels()]
+    assert shown[:3] == [f"drop of th...e meadow {number}" for number in "123"]
+    assert shown[3] == "1"
+    for label in axes.get_xticklabels():
+        assert is_within(label, figure)
 
 
 SLOPE = {"prior": {"mean": 10.0, "sd": 1.0}}
@@ -316,6 +410,43 @@ def test_a_fit_is_drawn_over_what_alone_differs(columns, content, along):
     assert only_varying(SimpleNamespace(study=study)) == along
 
 
+def test_measurements_that_are_all_limits_have_one_entry_in_the_legend():
+    tests = {"speed_mps": [5.0, 9.0], "mass_kg": [1.0, 2.0], "e_n": [">0.1", "<0.4"]}
+    study = study_of_columns(tests)
+    fitted = SimpleNamespace(predicted=np.array([[0.2], [0.3]]))
+    figure = draw_study(SimpleNamespace(study=study, variants=[fitted]))
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["best fit, limit"]
+
+
+def test_a_profile_crosses_its_levels_at_the_ends_of_its_intervals():
+    """Also where few points are about a parameter that is not identifiable."""
+    bounds = Bounds(np.array([0.05]), np.array([500.0]), np.array([True]))
+    rise, limit = np.array([90.0, 8.4, 1.3, 0.4, 0.0]), 2.0**2
+    values = np.array([0.5, 5.0, 30.0, 120.0, 500.0])
+    ends = [*_within(np.log(values), rise, 1.0), *_within(np.log(values), rise, limit)]
+    low, _, low_95, _ = (end and np.exp(end) for end in ends)
+    profile = LikelihoodProfile(
+        *("gamma_v", values, rise, low, None, low_95, None),
+        best_cost=0.0,
+        lowest_cost=0.0,
+        lowest_x=np.log(values[-1:]),
+    )
+    variant = SimpleNamespace(
+        names=("gamma_v",),
+        bounds=bounds,
+        uncertainty=SimpleNamespace(quantile=np.array([2.0])),
+        verdicts=[SimpleNamespace(determined=False)],
+        objective=SimpleNamespace(scene=Scene()),
+    )
+    (axes,) = draw_profile(variant, profile).axes
+    curve = axes.get_lines()[0].get_xydata()
+    for end, level in ((low, 1.0), (low_95, limit)):
+        # Between the 300 points of the curve it is a line.
+        at_end = np.interp(np.log(end), np.log(curve[:, 0]), curve[:, 1])
+        assert at_end == pytest.approx(level, rel=1e-3)
+
+
 def test_residuals_of_a_target_that_is_predicted_to_be_zero_are_drawn():
     """As forces are at times after every contact; NumPy has nothing to warn of."""
     result = SimpleNamespace(study=SimpleNamespace(targets=("e_n", "normal_force_N")))
@@ -339,3 +470,17 @@ def test_what_was_observed_of_one_block_is_drawn_too(blocks):
     assert (shares[0], shares[-1]) == (0.0, 1.0)
     np.testing.assert_array_equal(np.unique(observed.get_xdata()), values)
     assert np.sum(np.diff(shares) > 0.0) == blocks
+
+
+@pytest.mark.parametrize("start", [181.31, 2_600_181.31])
+def test_places_of_stops_are_whole_numbers(start):
+    """Where they are within centimetres too, and on a national grid."""
+    x = start + np.linspace(0.0, 0.04, 20)
+    columns = {"x_m": ("block", x), "ending": ("block", ["stopped"] * 20)}
+    (axes,) = draw_stops(xr.Dataset(columns, attrs={"title": "slope"})).axes
+    axes.figure.draw_without_rendering()
+    assert axes.xaxis.get_offset_text().get_text() == ""
+    labels = axes.get_xticklabels()
+    assert all(label.get_text().startswith(f"{int(start)}.3") for label in labels)
+    for left, right in pairwise(drawn_boxes(labels)):
+        assert left.x1 < right.x0

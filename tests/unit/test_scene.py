@@ -121,13 +121,17 @@ def test_parts_are_pickled_and_compared():
 
 # JAX's own, as it reads the marker, which is before anybody can ask.
 @pytest.mark.filterwarnings("ignore:overflow encountered in cast:RuntimeWarning")
-@pytest.mark.parametrize("of", ["a soil", "a law", "a scene", "a result"])
+@pytest.mark.parametrize(
+    "of", ["a soil", "a law", "a scene", "a result", "a history", "a ledger"]
+)
 def test_a_pickle_is_read_in_float64_alone(of):
     """JAX in float32 would cut its numbers, and make an infinity of a marker."""
     soil = Soil(gamma_v=5.1)
     scene = Scene(Block(), soil, Impact(angle=0.0))
-    made = {"a soil": soil, "a law": soil.flow, "a scene": scene}
-    data = pickle.dumps(made[of] if of in made else simulate(scene))
+    result = simulate(scene, save_at=[0.0])
+    made = {"a soil": soil, "a law": soil.flow, "a scene": scene, "a result": result}
+    made |= {"a history": result.history, "a ledger": result.energy}
+    data = pickle.dumps(made[of])
     with jax.enable_x64(False), pytest.raises(RuntimeError, match="jax_enable_x64"):
         pickle.loads(data)
     assert jax.tree.leaves(pickle.loads(data))[0].dtype == np.float64

@@ -11,10 +11,11 @@ from impact_scenes import mixed_scenes
 from jaximpact import Block, Impact, Soil, simulate
 from jaximpact.accuracy import PRESETS
 from jaximpact.backend import lane_functions, native_backend, shipped
-from jaximpact.backend.simd import LEVELS, MOST_DIRECTIONS, Kernel, KernelSet, host
+from jaximpact.backend.simd import LEVELS, Kernel, KernelSet, Mode, host
 from jaximpact.identity import described
 from jaximpact.impact.problem import Assembly, naming
 from jaximpact.impact.reduced_models import PLANAR, VERTICAL
+from jaximpact.impact.results import empty_summary
 from jaximpact.scene import Scene
 from jaximpact.shapes import EllipticCylinder
 
@@ -26,7 +27,7 @@ def named(*impact):
     return what, described(tree)
 
 
-VALUES = named(Assembly(STRUCTURE, VERTICAL, False), 0, False)
+VALUES = named(Assembly(STRUCTURE, VERTICAL, False), Mode.VALUES, False)
 
 for_this_machine = pytest.mark.skipif(
     host()[0] not in LEVELS or not sys.platform.startswith("linux"),
@@ -53,29 +54,36 @@ def test_archives_are_those_of_the_source(level):
 
 @for_this_machine
 @pytest.mark.parametrize(
-    ("model", "directions"),
+    ("model", "mode"),
     [
-        (VERTICAL, 0),
-        pytest.param(VERTICAL, MOST_DIRECTIONS, marks=pytest.mark.slow),
-        pytest.param(PLANAR, MOST_DIRECTIONS, marks=pytest.mark.slow),
+        (VERTICAL, Mode.VALUES),
+        pytest.param(VERTICAL, Mode.FORWARD, marks=pytest.mark.slow),
+        pytest.param(PLANAR, Mode.FORWARD, marks=pytest.mark.slow),
+        pytest.param(PLANAR, Mode.REVERSE, marks=pytest.mark.slow),
     ],
 )
-def test_what_is_shipped_is_what_is_compiled(model, directions):
-    """To the last bit: values, and derivatives by k_E, gamma_v and c_v."""
+def test_what_is_shipped_is_what_is_compiled(model, mode):
+    """To the last bit: values, derivatives by k_E, gamma_v and c_v, and the gradient of
+    the sum of all results by all leaves."""
     assembly = Assembly(STRUCTURE, model, False)
     setting = PRESETS["fast"]
     leaves = [*jax.tree.leaves(mixed_scenes(300)), setting.tolerance, setting.floor]
     inputs = np.stack(np.broadcast_arrays(*leaves))
     places = jax.tree.unflatten(STRUCTURE, range(STRUCTURE.num_leaves)).soil
-    along = (places.k_E, places.gamma_v, places.c_v)[:directions]
+    along = ()
+    if mode == Mode.FORWARD:
+        along = places.k_E, places.gamma_v, places.c_v
+    if mode == Mode.REVERSE:
+        count = jax.tree.structure(empty_summary(False)).num_leaves
+        inputs = np.concatenate([inputs, np.ones((count, inputs.shape[1]))])
 
     def computed(code):
         kernels = KernelSet([Kernel(code, None)]).along(len(along))
         return kernels.compute(inputs, 1, along=along)[0]
 
-    code = shipped.shipped_code(*named(assembly, directions, False))
+    code = shipped.shipped_code(*named(assembly, mode, False))
     assert code is not None
-    made = lane_functions.code_of_lanes(assembly, directions, sampled=False)
+    made = lane_functions.code_of_lanes(assembly, mode, sampled=False)
     results = computed(code)
     assert np.isfinite(results).mean() > 0.5
     np.testing.assert_array_equal(results, computed(made))

@@ -43,7 +43,19 @@ typedef struct {
     /* Code of the outcome `failed`, steps after which it stands, and the factors of the
      * tolerance with which it is tried again. */
     double failed, most_steps, retries[RETRIES];
+    /* Of lanes that go back once they have come to their end; NULL for others. The way
+     * back has the steps that were accepted, which a row counts, from the last to the
+     * first: so many rows of what each began with are kept. */
+    Function from_end, over_step, to_start;
+    const int64_t *kept_rows;
+    int64_t kept, accepted;
 } Program;
+
+/* What the accepted steps of a column began with. */
+typedef struct {
+    double *rows; /* those of a step side by side */
+    int64_t steps, room;
+} Way;
 
 /* Lanes under way. */
 typedef struct {
@@ -156,16 +168,18 @@ static int take_lane(Job *job, int64_t place, Columns *columns, int column)
     int64_t lane = job->turns[turn].lane, first = job->turns[turn].first;
     for (int64_t row = 0; row < all->leaves; row++)
         columns->work[PACK * row + column] = job->common->data[row];
+    for (int64_t row = all->leaves; row < program->input_rows; row++)
+        columns->work[PACK * row + column] = 0.0;
+    /* Derivatives of inputs may be among them, those of a direction of any kind. */
     for (int64_t k = 0; k < job->own_inputs; k++) {
         int64_t row = (int64_t)job->places->data[k];
         columns->work[PACK * row + column] = *value_of(job, &job->own[k], lane);
     }
-    for (int64_t row = all->leaves; row < program->input_rows; row++)
-        columns->work[PACK * row + column] = 0.0;
     for (int64_t k = 0; k < directions_from(job, first); k++) {
         int64_t along = (int64_t)job->along->data[first + k];
         int64_t own = (program->input_rows - all->leaves) / all->directions;
-        columns->work[PACK * (all->leaves + k * own + along) + column] = 1.0;
+        if (along >= 0)
+            columns->work[PACK * (all->leaves + k * own + along) + column] = 1.0;
     }
     columns->lane[column] = lane;
     columns->first[column] = first;
@@ -313,6 +327,109 @@ static void go_on(Job *job, int64_t place, Columns *columns)
     }
 }
 
+/* Keeps what the next step begins with; 0 if there is no memory for it. */
+static int keep(const Program *program, const double *work, Way *way, int column)
+{
+    if (way->steps == way->room) {
+        int64_t room = way->room ? 2 * way->room : 64;
+        double *rows = realloc(way->rows, sizeof(double) * program->kept * room);
+        if (!rows)
+            return 0;
+        way->rows = rows;
+        way->room = room;
+    }
+    double *kept = way->rows + program->kept * way->steps;
+    for (int64_t k = 0; k < program->kept; k++)
+        kept[k] = work[PACK * program->kept_rows[k] + column];
+    return 1;
+}
+
+/* Steps lanes, all from their start, to their ends; 0 if there is no memory for the
+ * way. */
+static int go_there(const Program *program, Columns *columns, Way *ways, Mask full)
+{
+    double *work = columns->work, *accepted = work + PACK * program->accepted;
+    Mask going = full, again = full;
+    while (going) {
+        if (again)
+            program->begin(work, again, 0);
+        again = 0;
+        for (int column = 0; column < PACK; column++)
+            if (going >> column & 1 && !keep(program, work, &ways[column], column))
+                return 0;
+        Mask ends = going & ~program->step(work, going, 0);
+        for (int column = 0; column < PACK; column++)
+            if (going >> column & 1)
+                ways[column].steps = (int64_t)accepted[column];
+        if (!ends)
+            continue;
+        program->finish(work, ends, 0);
+        for (int column = 0; column < PACK; column++)
+            if (ends >> column & 1 && begins_again(program, columns, column)) {
+                again |= 1 << column;
+                ways[column].steps = 0;
+            }
+        going &= ~(ends & ~again);
+    }
+    return 1;
+}
+
+/* Draws cotangents back over the steps of lanes that are at their ends. */
+static void go_back(const Program *program, double *work, const Way *ways, Mask full)
+{
+    int64_t step = 0;
+    program->from_end(work, full, 0);
+    for (int column = 0; column < PACK; column++)
+        if (full >> column & 1 && ways[column].steps > step)
+            step = ways[column].steps;
+    while (step-- > 0) {
+        Mask on_way = 0;
+        for (int column = 0; column < PACK; column++) {
+            if (!(full >> column & 1) || step >= ways[column].steps)
+                continue;
+            on_way |= 1 << column;
+            const double *kept = ways[column].rows + program->kept * step;
+            for (int64_t k = 0; k < program->kept; k++)
+                work[PACK * program->kept_rows[k] + column] = kept[k];
+        }
+        program->over_step(work, on_way, 0);
+    }
+    program->to_start(work, full, 0);
+}
+
+/* Takes lanes of a program to their ends and back, those of all columns together, until
+ * none waits. Lanes side by side have about as many steps: they are in the order of their
+ * effort. */
+static void go_there_and_back(Job *job, int64_t place, Columns *columns)
+{
+    const Program *program = &job->operation->programs[place];
+    Way ways[PACK] = {{0}};
+    for (;;) {
+        Mask full = 0;
+        for (int column = 0; column < PACK && take_lane(job, place, columns, column); column++) {
+            full |= 1 << column;
+            ways[column].steps = columns->tries[column] = columns->sampled[column] = 0;
+            if (program->tolerance >= 0)
+                columns->tolerance[column] =
+                    columns->work[PACK * program->tolerance + column];
+        }
+        if (!full)
+            break;
+        if (!go_there(program, columns, ways, full)) {
+            job->out_of_memory = 1;
+            break;
+        }
+        go_back(program, columns->work, ways, full);
+        for (int column = 0; column < PACK; column++)
+            if (full >> column & 1)
+                give_lane(job, program, columns, column);
+    }
+    for (int column = 0; column < PACK; column++) {
+        free(ways[column].rows);
+        columns->lane[column] = -1;
+    }
+}
+
 static void *work(void *argument)
 {
     Job *job = argument;
@@ -332,8 +449,12 @@ static void *work(void *argument)
     columns.work = (double *)(((uintptr_t)space + ALIGNMENT - 1) & ~(uintptr_t)(ALIGNMENT - 1));
     for (int column = 0; column < PACK; column++)
         columns.lane[column] = -1;
-    for (int64_t place = 0; place < all->count; place++)
-        go_on(job, place, &columns);
+    for (int64_t place = 0; place < all->count; place++) {
+        if (all->programs[place].over_step)
+            go_there_and_back(job, place, &columns);
+        else
+            go_on(job, place, &columns);
+    }
     leave_float_mode(mode);
     free(space);
     return NULL;

@@ -1,12 +1,13 @@
-; Made from driver.c by 'make driver'; sha256 8f944c4b3ba1f58d547920832acb1e2dee7cd7a8c8de72ac451c694e7583f9e5
+; Made from driver.c by 'make driver'; sha256 80606e23efd8670a5b1e255c07cbe77bcfcdbd32de7086a7c3a78edd4dda0027
 
 %struct.Operation = type { i64, [32 x %struct.Program], [32 x i64], ptr, ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
-%struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
+%struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double], ptr, ptr, ptr, ptr, i64, i64 }
 %struct.Operand = type { ptr, [24 x i64] }
 %struct.Job = type { ptr, i64, [24 x i64], i64, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, i64, ptr, ptr, [32 x i64], [32 x i64], i32, i32 }
 %struct.Rows = type { ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr }
 %struct.Turn = type { double, i64, i64 }
 %struct.anon = type { i64, ptr, ptr, i32 }
+%struct.Way = type { ptr, i64, i64 }
 %struct.Columns = type { ptr, [8 x i64], [8 x i64], [8 x double], [8 x i64], [8 x i64] }
 %struct.Course = type { ptr, i64, i64, double }
 
@@ -1175,766 +1176,923 @@ define internal i32 @longer_first(ptr nocapture noundef readonly %0, ptr nocaptu
 }
 
 define internal ptr @work(ptr nocapture noundef %0) {
-  %2 = alloca %struct.Columns, align 8
-  %3 = load ptr, ptr %0, align 8
-  %4 = load i64, ptr %3, align 8
-  %5 = icmp sgt i64 %4, 0
-  br i1 %5, label %13, label %9
+  %2 = alloca [8 x %struct.Way], align 16
+  %3 = alloca %struct.Columns, align 8
+  %4 = load ptr, ptr %0, align 8
+  %5 = load i64, ptr %4, align 8
+  %6 = icmp sgt i64 %5, 0
+  br i1 %6, label %14, label %10
 
-6:
-  %7 = shl i64 %18, 6
-  %8 = add i64 %7, 64
-  br label %9
+7:
+  %8 = shl i64 %19, 6
+  %9 = add i64 %8, 64
+  br label %10
 
-9:
-  %10 = phi i64 [ 64, %1 ], [ %8, %6 ]
-  %11 = tail call noalias ptr @calloc(i64 noundef 1, i64 noundef %10)
-  %12 = icmp eq ptr %11, null
-  br i1 %12, label %21, label %23
+10:
+  %11 = phi i64 [ 64, %1 ], [ %9, %7 ]
+  %12 = tail call noalias ptr @calloc(i64 noundef 1, i64 noundef %11)
+  %13 = icmp eq ptr %12, null
+  br i1 %13, label %22, label %24
 
-13:
-  %14 = phi i64 [ %18, %13 ], [ 0, %1 ]
-  %15 = phi i64 [ %19, %13 ], [ 0, %1 ]
-  %16 = getelementptr inbounds %struct.Operation, ptr %3, i64 0, i32 1, i64 %15, i32 4
-  %17 = load i64, ptr %16, align 8
-  %18 = tail call i64 @llvm.smax.i64(i64 %17, i64 %14)
-  %19 = add nuw nsw i64 %15, 1
-  %20 = icmp eq i64 %19, %4
-  br i1 %20, label %6, label %13
+14:
+  %15 = phi i64 [ %19, %14 ], [ 0, %1 ]
+  %16 = phi i64 [ %20, %14 ], [ 0, %1 ]
+  %17 = getelementptr inbounds %struct.Operation, ptr %4, i64 0, i32 1, i64 %16, i32 4
+  %18 = load i64, ptr %17, align 8
+  %19 = tail call i64 @llvm.smax.i64(i64 %18, i64 %15)
+  %20 = add nuw nsw i64 %16, 1
+  %21 = icmp eq i64 %20, %5
+  br i1 %21, label %7, label %14
 
-21:
-  %22 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
-  store i32 1, ptr %22, align 8
-  br label %569
+22:
+  %23 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
+  store i32 1, ptr %23, align 8
+  br label %651
 
-23:
-  %24 = tail call i64 @enter_float_mode()
-  call void @llvm.lifetime.start.p0(i64 328, ptr nonnull %2)
-  %25 = ptrtoint ptr %11 to i64
-  %26 = add i64 %25, 63
-  %27 = and i64 %26, -64
-  %28 = inttoptr i64 %27 to ptr
-  store ptr %28, ptr %2, align 8
-  %29 = getelementptr inbounds i8, ptr %2, i64 8
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(64) %29, i8 -1, i64 64, i1 false)
-  %30 = load i64, ptr %3, align 8
-  %31 = icmp sgt i64 %30, 0
-  br i1 %31, label %32, label %45
+24:
+  %25 = tail call i64 @enter_float_mode()
+  call void @llvm.lifetime.start.p0(i64 328, ptr nonnull %3)
+  %26 = ptrtoint ptr %12 to i64
+  %27 = add i64 %26, 63
+  %28 = and i64 %27, -64
+  %29 = inttoptr i64 %28 to ptr
+  store ptr %29, ptr %3, align 8
+  %30 = getelementptr inbounds i8, ptr %3, i64 8
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(64) %30, i8 -1, i64 64, i1 false)
+  %31 = load i64, ptr %4, align 8
+  %32 = icmp sgt i64 %31, 0
+  br i1 %32, label %33, label %42
 
-32:
-  %33 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 5
-  %34 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18
-  %35 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 8
-  %36 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 7
-  %37 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 9
-  %38 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 10
+33:
+  %34 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
+  %35 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 5
+  %36 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17
+  %37 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 16
+  %38 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 14
   %39 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 1
-  %40 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 13
-  %41 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17
-  %42 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 16
-  %43 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 14
-  %44 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 15
-  br label %46
+  %40 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 15
+  %41 = getelementptr inbounds i8, ptr %3, i64 8
+  br label %43
 
-45:
-  tail call void @leave_float_mode(i64 noundef %24)
-  tail call void @free(ptr noundef %11)
-  call void @llvm.lifetime.end.p0(i64 328, ptr nonnull %2)
-  br label %569
+42:
+  tail call void @leave_float_mode(i64 noundef %25)
+  tail call void @free(ptr noundef %12)
+  call void @llvm.lifetime.end.p0(i64 328, ptr nonnull %3)
+  br label %651
 
-46:
-  %47 = phi i64 [ 0, %32 ], [ %566, %565 ]
+43:
+  %44 = phi i64 [ 0, %33 ], [ %648, %647 ]
+  %45 = getelementptr inbounds %struct.Operation, ptr %4, i64 0, i32 1, i64 %44, i32 19
+  %46 = load ptr, ptr %45, align 8
+  %47 = icmp eq ptr %46, null
   %48 = load ptr, ptr %0, align 8
-  %49 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47
-  %50 = load i64, ptr %33, align 8
-  %51 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 19, i64 %47
-  %52 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 20, i64 %47
-  %53 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 8
-  %54 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 1
-  %55 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 3
-  %56 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 11
-  %57 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 12
-  %58 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 13
-  %59 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 14
-  %60 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 7
-  %61 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 2
-  %62 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 6
-  %63 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 9
-  %64 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 15
-  %65 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 10
-  %66 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 16
-  br label %67
+  %49 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44
+  br i1 %47, label %326, label %50
 
-67:
-  %68 = phi i8 [ 0, %46 ], [ %564, %563 ]
-  br label %71
+50:
+  call void @llvm.lifetime.start.p0(i64 192, ptr nonnull %2)
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 16 dereferenceable(192) %2, i8 0, i64 192, i1 false)
+  %51 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 8
+  %52 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 23
+  %53 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 22
+  %54 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 21
+  %55 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 1
+  %56 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 2
+  %57 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 6
+  %58 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 9
+  %59 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 15
+  %60 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 10
+  %61 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 16
+  %62 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 18
+  %63 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 19
+  %64 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 20
+  br label %65
 
-69:
-  %70 = icmp eq i8 %217, 0
-  br i1 %70, label %230, label %227
+65:
+  %66 = phi i64 [ 0, %50 ], [ %94, %93 ]
+  %67 = phi i8 [ 0, %50 ], [ %95, %93 ]
+  %68 = trunc i64 %66 to i32
+  %69 = call fastcc i32 @take_lane(ptr noundef nonnull %0, i64 noundef %44, ptr noundef nonnull %3, i32 noundef %68)
+  %70 = icmp eq i32 %69, 0
+  br i1 %70, label %71, label %74
 
 71:
-  %72 = phi i64 [ 0, %67 ], [ %225, %216 ]
-  %73 = phi i8 [ %68, %67 ], [ %217, %216 ]
-  %74 = phi i8 [ 0, %67 ], [ %224, %216 ]
-  %75 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %72
-  %76 = load i64, ptr %75, align 8
-  %77 = icmp slt i64 %76, 0
-  br i1 %77, label %78, label %216
+  %72 = phi i8 [ %77, %90 ], [ %67, %65 ]
+  %73 = icmp eq i8 %72, 0
+  br i1 %73, label %318, label %96
 
-78:
-  %79 = atomicrmw add ptr %51, i64 1 monotonic, align 8
-  %80 = load i64, ptr %52, align 8
-  %81 = icmp slt i64 %79, %80
-  br i1 %81, label %82, label %216
+74:
+  %75 = shl nuw i32 1, %68
+  %76 = trunc i32 %75 to i8
+  %77 = or i8 %67, %76
+  %78 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %66
+  store i64 0, ptr %78, align 8
+  %79 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %66
+  store i64 0, ptr %79, align 8
+  %80 = getelementptr inbounds [8 x %struct.Way], ptr %2, i64 0, i64 %66, i32 1
+  store i64 0, ptr %80, align 8
+  %81 = load i64, ptr %51, align 8
+  %82 = icmp sgt i64 %81, -1
+  br i1 %82, label %83, label %90
 
-82:
-  %83 = load ptr, ptr %0, align 8
-  %84 = load ptr, ptr %34, align 8
-  %85 = getelementptr inbounds %struct.Turn, ptr %84, i64 %79, i32 1
-  %86 = load i64, ptr %85, align 8
-  %87 = getelementptr inbounds %struct.Turn, ptr %84, i64 %79, i32 2
-  %88 = load i64, ptr %87, align 8
-  %89 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 5
-  %90 = load i64, ptr %89, align 8
-  %91 = icmp sgt i64 %90, 0
-  br i1 %91, label %95, label %92
+83:
+  %84 = load ptr, ptr %3, align 8
+  %85 = shl nsw i64 %81, 3
+  %86 = add nsw i64 %85, %66
+  %87 = getelementptr inbounds double, ptr %84, i64 %86
+  %88 = load double, ptr %87, align 8
+  %89 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %66
+  store double %88, ptr %89, align 8
+  br label %90
 
-92:
-  %93 = load i64, ptr %36, align 8
-  %94 = icmp sgt i64 %93, 0
-  br i1 %94, label %112, label %107
+90:
+  %91 = add nuw nsw i64 %66, 1
+  %92 = icmp eq i64 %91, 8
+  br i1 %92, label %71, label %93
 
-95:
-  %96 = phi i64 [ %104, %95 ], [ 0, %82 ]
-  %97 = load ptr, ptr %35, align 8
-  %98 = load ptr, ptr %97, align 8
-  %99 = getelementptr inbounds double, ptr %98, i64 %96
-  %100 = load double, ptr %99, align 8
-  %101 = shl nsw i64 %96, 3
-  %102 = add nuw nsw i64 %101, %72
-  %103 = getelementptr inbounds double, ptr %28, i64 %102
-  store double %100, ptr %103, align 8
-  %104 = add nuw nsw i64 %96, 1
-  %105 = load i64, ptr %89, align 8
-  %106 = icmp slt i64 %104, %105
-  br i1 %106, label %95, label %92
+93:
+  %94 = phi i64 [ %91, %90 ], [ 0, %315 ]
+  %95 = phi i8 [ %77, %90 ], [ 0, %315 ]
+  br label %65
 
-107:
-  %108 = load i64, ptr %89, align 8
-  %109 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 1, i64 %47, i32 5
-  %110 = load i64, ptr %109, align 8
-  %111 = icmp slt i64 %108, %110
-  br i1 %111, label %164, label %154
+96:
+  %97 = load ptr, ptr %3, align 8
+  %98 = load i64, ptr %52, align 8
+  %99 = shl nsw i64 %98, 3
+  %100 = getelementptr inbounds double, ptr %97, i64 %99
+  br label %101
 
-112:
-  %113 = phi i64 [ %151, %145 ], [ 0, %92 ]
-  %114 = load ptr, ptr %37, align 8
-  %115 = load ptr, ptr %114, align 8
-  %116 = getelementptr inbounds double, ptr %115, i64 %113
-  %117 = load double, ptr %116, align 8
-  %118 = fptosi double %117 to i64
-  %119 = load ptr, ptr %38, align 8
-  %120 = getelementptr inbounds %struct.Operand, ptr %119, i64 %113
-  %121 = load i64, ptr %39, align 8
-  %122 = icmp eq i64 %121, 1
-  %123 = load ptr, ptr %120, align 8
-  br i1 %122, label %124, label %129
+101:
+  %102 = phi i8 [ %72, %96 ], [ %238, %236 ]
+  %103 = phi i8 [ %72, %96 ], [ %237, %236 ]
+  %104 = icmp eq i8 %102, 0
+  br i1 %104, label %108, label %105
 
-124:
-  %125 = getelementptr inbounds %struct.Operand, ptr %119, i64 %113, i32 1
-  %126 = load i64, ptr %125, align 8
-  %127 = mul nsw i64 %126, %86
-  %128 = getelementptr inbounds double, ptr %123, i64 %127
-  br label %145
+105:
+  %106 = load ptr, ptr %49, align 8
+  %107 = tail call zeroext i8 %106(ptr noundef %97, i8 noundef zeroext %102, i64 noundef 0)
+  br label %108
 
-129:
-  %130 = icmp sgt i64 %121, 0
-  br i1 %130, label %131, label %145
+108:
+  %109 = zext i8 %103 to i32
+  br label %110
 
-131:
-  %132 = phi i64 [ %135, %131 ], [ %121, %129 ]
-  %133 = phi ptr [ %142, %131 ], [ %123, %129 ]
-  %134 = phi i64 [ %143, %131 ], [ %86, %129 ]
-  %135 = add nsw i64 %132, -1
-  %136 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %135
-  %137 = load i64, ptr %136, align 8
-  %138 = srem i64 %134, %137
-  %139 = getelementptr inbounds %struct.Operand, ptr %119, i64 %113, i32 1, i64 %135
-  %140 = load i64, ptr %139, align 8
-  %141 = mul nsw i64 %140, %138
-  %142 = getelementptr inbounds double, ptr %133, i64 %141
-  %143 = sdiv i64 %134, %137
-  %144 = icmp sgt i64 %132, 1
-  br i1 %144, label %131, label %145
+110:
+  %111 = phi i64 [ 0, %108 ], [ %155, %154 ]
+  %112 = trunc i64 %111 to i32
+  %113 = shl nuw i32 1, %112
+  %114 = and i32 %113, %109
+  %115 = icmp eq i32 %114, 0
+  br i1 %115, label %154, label %116
 
-145:
-  %146 = phi ptr [ %128, %124 ], [ %123, %129 ], [ %142, %131 ]
-  %147 = load double, ptr %146, align 8
-  %148 = shl nsw i64 %118, 3
-  %149 = add nsw i64 %148, %72
-  %150 = getelementptr inbounds double, ptr %28, i64 %149
-  store double %147, ptr %150, align 8
-  %151 = add nuw nsw i64 %113, 1
-  %152 = load i64, ptr %36, align 8
+116:
+  %117 = getelementptr inbounds %struct.Way, ptr %2, i64 %111
+  %118 = getelementptr inbounds %struct.Way, ptr %2, i64 %111, i32 1
+  %119 = load i64, ptr %118, align 8
+  %120 = getelementptr inbounds %struct.Way, ptr %2, i64 %111, i32 2
+  %121 = load i64, ptr %120, align 8
+  %122 = icmp eq i64 %119, %121
+  br i1 %122, label %123, label %134
+
+123:
+  %124 = icmp eq i64 %121, 0
+  %125 = shl nsw i64 %121, 1
+  %126 = select i1 %124, i64 64, i64 %125
+  %127 = load ptr, ptr %117, align 8
+  %128 = load i64, ptr %53, align 8
+  %129 = shl i64 %126, 3
+  %130 = mul i64 %129, %128
+  %131 = tail call ptr @realloc(ptr noundef %127, i64 noundef %130)
+  %132 = icmp eq ptr %131, null
+  br i1 %132, label %240, label %133
+
+133:
+  store ptr %131, ptr %117, align 8
+  store i64 %126, ptr %120, align 8
+  br label %134
+
+134:
+  %135 = load ptr, ptr %117, align 8
+  %136 = load i64, ptr %53, align 8
+  %137 = load i64, ptr %118, align 8
+  %138 = mul nsw i64 %137, %136
+  %139 = getelementptr inbounds double, ptr %135, i64 %138
+  %140 = icmp sgt i64 %136, 0
+  br i1 %140, label %141, label %154
+
+141:
+  %142 = phi i64 [ %151, %141 ], [ 0, %134 ]
+  %143 = load ptr, ptr %54, align 8
+  %144 = getelementptr inbounds i64, ptr %143, i64 %142
+  %145 = load i64, ptr %144, align 8
+  %146 = shl nsw i64 %145, 3
+  %147 = add nsw i64 %146, %111
+  %148 = getelementptr inbounds double, ptr %97, i64 %147
+  %149 = load double, ptr %148, align 8
+  %150 = getelementptr inbounds double, ptr %139, i64 %142
+  store double %149, ptr %150, align 8
+  %151 = add nuw nsw i64 %142, 1
+  %152 = load i64, ptr %53, align 8
   %153 = icmp slt i64 %151, %152
-  br i1 %153, label %112, label %107
+  br i1 %153, label %141, label %154
 
 154:
-  %155 = load ptr, ptr %0, align 8
-  %156 = getelementptr inbounds %struct.Operation, ptr %155, i64 0, i32 6
-  %157 = load i64, ptr %156, align 8
-  %158 = sub nsw i64 %157, %88
-  %159 = load i64, ptr %33, align 8
-  %160 = tail call i64 @llvm.smin.i64(i64 %158, i64 %159)
-  %161 = icmp sgt i64 %160, 0
-  br i1 %161, label %162, label %172
+  %155 = add nuw nsw i64 %111, 1
+  %156 = icmp eq i64 %155, 8
+  br i1 %156, label %157, label %110
 
-162:
-  %163 = getelementptr inbounds %struct.Operation, ptr %83, i64 0, i32 6
-  br label %178
+157:
+  %158 = load ptr, ptr %55, align 8
+  %159 = tail call zeroext i8 %158(ptr noundef %97, i8 noundef zeroext %103, i64 noundef 0)
+  br label %164
+
+160:
+  %161 = xor i8 %159, -1
+  %162 = and i8 %103, %161
+  %163 = icmp eq i8 %162, 0
+  br i1 %163, label %236, label %178
 
 164:
-  %165 = phi i64 [ %169, %164 ], [ %108, %107 ]
-  %166 = shl nsw i64 %165, 3
-  %167 = add nsw i64 %166, %72
-  %168 = getelementptr inbounds double, ptr %28, i64 %167
-  store double 0.000000e+00, ptr %168, align 8
-  %169 = add nsw i64 %165, 1
-  %170 = load i64, ptr %109, align 8
-  %171 = icmp slt i64 %169, %170
-  br i1 %171, label %164, label %154
+  %165 = phi i64 [ 0, %157 ], [ %176, %175 ]
+  %166 = trunc i64 %165 to i32
+  %167 = shl nuw i32 1, %166
+  %168 = and i32 %167, %109
+  %169 = icmp eq i32 %168, 0
+  br i1 %169, label %175, label %170
 
-172:
-  store i64 %86, ptr %75, align 8
-  %173 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %72
-  store i64 %88, ptr %173, align 8
-  %174 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %72
-  store i64 0, ptr %174, align 8
-  %175 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %72
-  store i64 0, ptr %175, align 8
-  %176 = load i64, ptr %53, align 8
-  %177 = icmp sgt i64 %176, -1
-  br i1 %177, label %205, label %211
+170:
+  %171 = getelementptr inbounds double, ptr %100, i64 %165
+  %172 = load double, ptr %171, align 8
+  %173 = fptosi double %172 to i64
+  %174 = getelementptr inbounds %struct.Way, ptr %2, i64 %165, i32 1
+  store i64 %173, ptr %174, align 8
+  br label %175
+
+175:
+  %176 = add nuw nsw i64 %165, 1
+  %177 = icmp eq i64 %176, 8
+  br i1 %177, label %160, label %164
 
 178:
-  %179 = phi i64 [ 0, %162 ], [ %197, %178 ]
-  %180 = load ptr, ptr %40, align 8
-  %181 = load ptr, ptr %180, align 8
-  %182 = add nsw i64 %179, %88
-  %183 = getelementptr inbounds double, ptr %181, i64 %182
-  %184 = load double, ptr %183, align 8
-  %185 = fptosi double %184 to i64
-  %186 = load i64, ptr %109, align 8
-  %187 = load i64, ptr %89, align 8
-  %188 = sub nsw i64 %186, %187
-  %189 = load i64, ptr %163, align 8
-  %190 = sdiv i64 %188, %189
-  %191 = mul nsw i64 %190, %179
-  %192 = add i64 %187, %185
-  %193 = add i64 %192, %191
-  %194 = shl nsw i64 %193, 3
-  %195 = add nsw i64 %194, %72
-  %196 = getelementptr inbounds double, ptr %28, i64 %195
-  store double 1.000000e+00, ptr %196, align 8
-  %197 = add nuw nsw i64 %179, 1
-  %198 = load ptr, ptr %0, align 8
-  %199 = getelementptr inbounds %struct.Operation, ptr %198, i64 0, i32 6
-  %200 = load i64, ptr %199, align 8
-  %201 = sub nsw i64 %200, %88
-  %202 = load i64, ptr %33, align 8
-  %203 = tail call i64 @llvm.smin.i64(i64 %201, i64 %202)
-  %204 = icmp slt i64 %197, %203
-  br i1 %204, label %178, label %172
+  %179 = load ptr, ptr %56, align 8
+  %180 = tail call zeroext i8 %179(ptr noundef %97, i8 noundef zeroext %162, i64 noundef 0)
+  %181 = zext i8 %162 to i32
+  br label %186
 
-205:
-  %206 = shl nsw i64 %176, 3
-  %207 = add nsw i64 %206, %72
-  %208 = getelementptr inbounds double, ptr %28, i64 %207
-  %209 = load double, ptr %208, align 8
-  %210 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %72
-  store double %209, ptr %210, align 8
-  br label %211
+182:
+  %183 = xor i8 %162, -1
+  %184 = or i8 %233, %183
+  %185 = and i8 %184, %103
+  br label %236
+
+186:
+  %187 = phi i64 [ 0, %178 ], [ %234, %232 ]
+  %188 = phi i8 [ 0, %178 ], [ %233, %232 ]
+  %189 = trunc i64 %187 to i32
+  %190 = shl nuw i32 1, %189
+  %191 = and i32 %190, %181
+  %192 = icmp eq i32 %191, 0
+  br i1 %192, label %232, label %193
+
+193:
+  %194 = load i64, ptr %51, align 8
+  %195 = icmp slt i64 %194, 0
+  br i1 %195, label %232, label %196
+
+196:
+  %197 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %187
+  %198 = load i64, ptr %197, align 8
+  %199 = icmp eq i64 %198, 7
+  br i1 %199, label %232, label %200
+
+200:
+  %201 = load i64, ptr %57, align 8
+  %202 = shl nsw i64 %201, 3
+  %203 = getelementptr inbounds double, ptr %97, i64 %202
+  %204 = getelementptr inbounds double, ptr %203, i64 %187
+  %205 = load i64, ptr %58, align 8
+  %206 = shl nsw i64 %205, 3
+  %207 = getelementptr inbounds double, ptr %204, i64 %206
+  %208 = load double, ptr %207, align 8
+  %209 = load double, ptr %59, align 8
+  %210 = fcmp une double %208, %209
+  br i1 %210, label %232, label %211
 
 211:
-  %212 = trunc i64 %72 to i32
-  %213 = shl nuw i32 1, %212
-  %214 = trunc i32 %213 to i8
-  %215 = or i8 %73, %214
-  br label %216
+  %212 = load i64, ptr %60, align 8
+  %213 = shl nsw i64 %212, 3
+  %214 = getelementptr inbounds double, ptr %204, i64 %213
+  %215 = load double, ptr %214, align 8
+  %216 = load double, ptr %61, align 8
+  %217 = fcmp ult double %215, %216
+  br i1 %217, label %218, label %232
 
-216:
-  %217 = phi i8 [ %215, %211 ], [ %73, %71 ], [ %73, %78 ]
-  %218 = load i64, ptr %75, align 8
-  %219 = trunc i64 %72 to i32
-  %220 = shl nuw i32 1, %219
-  %221 = trunc i32 %220 to i8
-  %222 = icmp slt i64 %218, 0
-  %223 = select i1 %222, i8 0, i8 %221
-  %224 = or i8 %223, %74
-  %225 = add nuw nsw i64 %72, 1
-  %226 = icmp eq i64 %225, 8
-  br i1 %226, label %69, label %71
-
-227:
-  %228 = load ptr, ptr %49, align 8
-  %229 = tail call zeroext i8 %228(ptr noundef %28, i8 noundef zeroext %217, i64 noundef %50)
-  br label %230
-
-230:
-  %231 = icmp eq i8 %224, 0
-  br i1 %231, label %563, label %232
+218:
+  %219 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %187
+  %220 = load double, ptr %219, align 8
+  %221 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %198
+  %222 = load double, ptr %221, align 8
+  %223 = fmul double %220, %222
+  %224 = shl nsw i64 %194, 3
+  %225 = add nsw i64 %224, %187
+  %226 = getelementptr inbounds double, ptr %97, i64 %225
+  store double %223, ptr %226, align 8
+  %227 = add nsw i64 %198, 1
+  store i64 %227, ptr %197, align 8
+  %228 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %187
+  store i64 0, ptr %228, align 8
+  %229 = trunc i32 %190 to i8
+  %230 = or i8 %188, %229
+  %231 = getelementptr inbounds %struct.Way, ptr %2, i64 %187, i32 1
+  store i64 0, ptr %231, align 8
+  br label %232
 
 232:
-  %233 = zext i8 %224 to i32
-  br label %234
+  %233 = phi i8 [ %230, %218 ], [ %188, %186 ], [ %188, %211 ], [ %188, %200 ], [ %188, %196 ], [ %188, %193 ]
+  %234 = add nuw nsw i64 %187, 1
+  %235 = icmp eq i64 %234, 8
+  br i1 %235, label %182, label %186
 
-234:
-  %235 = load ptr, ptr %54, align 8
-  %236 = tail call zeroext i8 %235(ptr noundef %28, i8 noundef zeroext %224, i64 noundef %50)
-  %237 = xor i8 %236, -1
-  %238 = and i8 %224, %237
-  %239 = load ptr, ptr %55, align 8
-  %240 = icmp eq ptr %239, null
-  br i1 %240, label %429, label %241
+236:
+  %237 = phi i8 [ %185, %182 ], [ %103, %160 ]
+  %238 = phi i8 [ %233, %182 ], [ 0, %160 ]
+  %239 = icmp eq i8 %237, 0
+  br i1 %239, label %241, label %101
+
+240:
+  store i32 1, ptr %34, align 8
+  br label %318
 
 241:
-  %242 = load i64, ptr %56, align 8
-  %243 = shl nsw i64 %242, 3
-  %244 = getelementptr inbounds double, ptr %28, i64 %243
-  %245 = load i64, ptr %57, align 8
-  %246 = shl nsw i64 %245, 3
-  %247 = getelementptr inbounds double, ptr %28, i64 %246
-  %248 = zext i8 %238 to i32
-  br label %251
+  %242 = load ptr, ptr %62, align 8
+  %243 = tail call zeroext i8 %242(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
+  %244 = zext i8 %72 to i32
+  br label %247
 
-249:
-  %250 = icmp eq i8 %324, 0
-  br i1 %250, label %429, label %330
+245:
+  %246 = icmp sgt i64 %259, 0
+  br i1 %246, label %262, label %306
 
-251:
-  %252 = phi i64 [ 0, %241 ], [ %328, %327 ]
-  %253 = phi i8 [ 0, %241 ], [ %329, %327 ]
-  %254 = trunc i64 %252 to i32
-  %255 = shl nuw i32 1, %254
-  %256 = and i32 %255, %233
-  %257 = icmp eq i32 %256, 0
-  br i1 %257, label %323, label %258
+247:
+  %248 = phi i64 [ 0, %241 ], [ %260, %258 ]
+  %249 = phi i64 [ 0, %241 ], [ %259, %258 ]
+  %250 = trunc i64 %248 to i32
+  %251 = shl nuw i32 1, %250
+  %252 = and i32 %251, %244
+  %253 = icmp eq i32 %252, 0
+  br i1 %253, label %258, label %254
+
+254:
+  %255 = getelementptr inbounds %struct.Way, ptr %2, i64 %248, i32 1
+  %256 = load i64, ptr %255, align 8
+  %257 = tail call i64 @llvm.smax.i64(i64 %256, i64 %249)
+  br label %258
 
 258:
-  %259 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %252
-  %260 = load i64, ptr %259, align 8
-  %261 = load ptr, ptr %41, align 8
-  %262 = icmp eq ptr %261, null
-  br i1 %262, label %275, label %263
+  %259 = phi i64 [ %249, %247 ], [ %257, %254 ]
+  %260 = add nuw nsw i64 %248, 1
+  %261 = icmp eq i64 %260, 8
+  br i1 %261, label %245, label %247
 
-263:
-  %264 = icmp eq i64 %260, 0
-  br i1 %264, label %310, label %265
+262:
+  %263 = phi i64 [ %264, %265 ], [ %259, %245 ]
+  %264 = add nsw i64 %263, -1
+  br label %269
 
 265:
-  %266 = load i64, ptr %56, align 8
-  %267 = shl nsw i64 %266, 3
-  %268 = add nsw i64 %267, %252
-  %269 = getelementptr inbounds double, ptr %28, i64 %268
-  %270 = load double, ptr %269, align 8
-  %271 = getelementptr inbounds %struct.Course, ptr %261, i64 0, i32 3
-  %272 = load double, ptr %271, align 8
-  %273 = fcmp ogt double %270, %272
-  %274 = select i1 %273, double %270, double 0x7FF0000000000000
-  br label %310
+  %266 = load ptr, ptr %63, align 8
+  %267 = tail call zeroext i8 %266(ptr noundef %97, i8 noundef zeroext %303, i64 noundef 0)
+  %268 = icmp sgt i64 %263, 1
+  br i1 %268, label %262, label %306
 
-275:
-  %276 = load i64, ptr %42, align 8
-  %277 = icmp eq i64 %260, %276
-  br i1 %277, label %310, label %278
+269:
+  %270 = phi i64 [ 0, %262 ], [ %304, %302 ]
+  %271 = phi i8 [ 0, %262 ], [ %303, %302 ]
+  %272 = trunc i64 %270 to i32
+  %273 = shl nuw i32 1, %272
+  %274 = and i32 %273, %244
+  %275 = icmp eq i32 %274, 0
+  br i1 %275, label %302, label %276
 
-278:
-  %279 = load ptr, ptr %43, align 8
-  %280 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %252
-  %281 = load i64, ptr %280, align 8
-  %282 = load i64, ptr %39, align 8
-  %283 = icmp eq i64 %282, 1
-  %284 = load ptr, ptr %279, align 8
-  br i1 %283, label %285, label %290
+276:
+  %277 = getelementptr inbounds %struct.Way, ptr %2, i64 %270, i32 1
+  %278 = load i64, ptr %277, align 8
+  %279 = icmp sgt i64 %263, %278
+  br i1 %279, label %302, label %280
 
-285:
-  %286 = getelementptr inbounds %struct.Operand, ptr %279, i64 0, i32 1
-  %287 = load i64, ptr %286, align 8
-  %288 = mul nsw i64 %287, %281
-  %289 = getelementptr inbounds double, ptr %284, i64 %288
-  br label %306
+280:
+  %281 = getelementptr inbounds %struct.Way, ptr %2, i64 %270
+  %282 = trunc i32 %273 to i8
+  %283 = or i8 %271, %282
+  %284 = load ptr, ptr %281, align 8
+  %285 = load i64, ptr %53, align 8
+  %286 = mul nsw i64 %285, %264
+  %287 = getelementptr inbounds double, ptr %284, i64 %286
+  %288 = icmp sgt i64 %285, 0
+  br i1 %288, label %289, label %302
 
-290:
-  %291 = icmp sgt i64 %282, 0
-  br i1 %291, label %292, label %306
+289:
+  %290 = phi i64 [ %299, %289 ], [ 0, %280 ]
+  %291 = getelementptr inbounds double, ptr %287, i64 %290
+  %292 = load double, ptr %291, align 8
+  %293 = load ptr, ptr %54, align 8
+  %294 = getelementptr inbounds i64, ptr %293, i64 %290
+  %295 = load i64, ptr %294, align 8
+  %296 = shl nsw i64 %295, 3
+  %297 = add nsw i64 %296, %270
+  %298 = getelementptr inbounds double, ptr %97, i64 %297
+  store double %292, ptr %298, align 8
+  %299 = add nuw nsw i64 %290, 1
+  %300 = load i64, ptr %53, align 8
+  %301 = icmp slt i64 %299, %300
+  br i1 %301, label %289, label %302
 
-292:
-  %293 = phi i64 [ %296, %292 ], [ %282, %290 ]
-  %294 = phi ptr [ %303, %292 ], [ %284, %290 ]
-  %295 = phi i64 [ %304, %292 ], [ %281, %290 ]
-  %296 = add nsw i64 %293, -1
-  %297 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %296
-  %298 = load i64, ptr %297, align 8
-  %299 = srem i64 %295, %298
-  %300 = getelementptr inbounds %struct.Operand, ptr %279, i64 0, i32 1, i64 %296
-  %301 = load i64, ptr %300, align 8
-  %302 = mul nsw i64 %301, %299
-  %303 = getelementptr inbounds double, ptr %294, i64 %302
-  %304 = sdiv i64 %295, %298
-  %305 = icmp sgt i64 %293, 1
-  br i1 %305, label %292, label %306
+302:
+  %303 = phi i8 [ %271, %276 ], [ %271, %269 ], [ %283, %280 ], [ %283, %289 ]
+  %304 = add nuw nsw i64 %270, 1
+  %305 = icmp eq i64 %304, 8
+  br i1 %305, label %265, label %269
 
 306:
-  %307 = phi ptr [ %289, %285 ], [ %284, %290 ], [ %303, %292 ]
-  %308 = getelementptr inbounds double, ptr %307, i64 %260
-  %309 = load double, ptr %308, align 8
-  br label %310
+  %307 = load ptr, ptr %64, align 8
+  %308 = tail call zeroext i8 %307(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
+  br label %309
 
-310:
-  %311 = phi double [ %309, %306 ], [ %274, %265 ], [ 0.000000e+00, %263 ], [ 0x7FF0000000000000, %275 ]
-  %312 = getelementptr inbounds double, ptr %247, i64 %252
-  store double %311, ptr %312, align 8
-  %313 = getelementptr inbounds double, ptr %244, i64 %252
-  %314 = load double, ptr %313, align 8
-  %315 = and i32 %255, %248
-  %316 = icmp eq i32 %315, 0
-  %317 = select i1 %316, double 1.000000e+00, double 0x3FF000010C6F7A0B
-  %318 = fmul double %317, %314
-  %319 = fcmp ugt double %311, %318
-  %320 = trunc i32 %255 to i8
-  %321 = select i1 %319, i8 0, i8 %320
-  %322 = or i8 %321, %253
-  br label %323
+309:
+  %310 = phi i32 [ 0, %306 ], [ %316, %315 ]
+  %311 = shl nuw i32 1, %310
+  %312 = and i32 %311, %244
+  %313 = icmp eq i32 %312, 0
+  br i1 %313, label %315, label %314
 
-323:
-  %324 = phi i8 [ %322, %310 ], [ %253, %251 ]
-  %325 = add nuw nsw i64 %252, 1
-  %326 = icmp eq i64 %325, 8
-  br i1 %326, label %249, label %327
+314:
+  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %310)
+  br label %315
 
-327:
-  %328 = phi i64 [ %325, %323 ], [ 0, %426 ]
-  %329 = phi i8 [ %324, %323 ], [ 0, %426 ]
-  br label %251
+315:
+  %316 = add nuw nsw i32 %310, 1
+  %317 = icmp eq i32 %316, 8
+  br i1 %317, label %93, label %309
 
-330:
-  %331 = load ptr, ptr %55, align 8
-  %332 = load i64, ptr %33, align 8
-  %333 = tail call zeroext i8 %331(ptr noundef %28, i8 noundef zeroext %324, i64 noundef %332)
-  %334 = zext i8 %324 to i32
-  br label %335
+318:
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(64) %41, i8 -1, i64 64, i1 false)
+  br label %319
 
-335:
-  %336 = phi i64 [ 0, %330 ], [ %427, %426 ]
-  %337 = trunc i64 %336 to i32
-  %338 = shl nuw i32 1, %337
-  %339 = and i32 %338, %334
-  %340 = icmp eq i32 %339, 0
-  br i1 %340, label %426, label %341
+319:
+  %320 = phi i64 [ 0, %318 ], [ %323, %319 ]
+  %321 = getelementptr inbounds [8 x %struct.Way], ptr %2, i64 0, i64 %320
+  %322 = load ptr, ptr %321, align 8
+  tail call void @free(ptr noundef %322)
+  %323 = add nuw nsw i64 %320, 1
+  %324 = icmp eq i64 %323, 8
+  br i1 %324, label %325, label %319
 
-341:
-  %342 = load i64, ptr %58, align 8
-  %343 = shl nsw i64 %342, 3
-  %344 = getelementptr inbounds double, ptr %28, i64 %343
-  %345 = getelementptr inbounds double, ptr %344, i64 %336
-  %346 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %336
-  %347 = load i64, ptr %346, align 8
-  %348 = load ptr, ptr %41, align 8
-  %349 = icmp eq ptr %348, null
-  br i1 %349, label %378, label %350
+325:
+  call void @llvm.lifetime.end.p0(i64 192, ptr nonnull %2)
+  br label %647
 
-350:
-  %351 = load i64, ptr %57, align 8
-  %352 = shl nsw i64 %351, 3
-  %353 = add nsw i64 %352, %336
-  %354 = getelementptr inbounds double, ptr %28, i64 %353
-  %355 = load double, ptr %354, align 8
-  %356 = getelementptr inbounds %struct.Course, ptr %348, i64 0, i32 3
-  store double %355, ptr %356, align 8
-  %357 = add nsw i64 %347, 1
-  %358 = getelementptr inbounds %struct.Course, ptr %348, i64 0, i32 2
-  store i64 %357, ptr %358, align 8
-  %359 = getelementptr inbounds %struct.Course, ptr %348, i64 0, i32 1
-  %360 = load i64, ptr %359, align 8
-  %361 = icmp slt i64 %347, %360
-  br i1 %361, label %362, label %424
+326:
+  %327 = load i64, ptr %35, align 8
+  %328 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 8
+  %329 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 1
+  %330 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 3
+  %331 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 11
+  %332 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 12
+  %333 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 13
+  %334 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 14
+  %335 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 7
+  %336 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 2
+  %337 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 6
+  %338 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 9
+  %339 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 15
+  %340 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 10
+  %341 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 16
+  br label %342
+
+342:
+  %343 = phi i8 [ 0, %326 ], [ %646, %645 ]
+  br label %346
+
+344:
+  %345 = icmp eq i8 %374, 0
+  br i1 %345, label %388, label %384
+
+346:
+  %347 = phi i64 [ 0, %342 ], [ %382, %373 ]
+  %348 = phi i8 [ %343, %342 ], [ %374, %373 ]
+  %349 = phi i8 [ 0, %342 ], [ %381, %373 ]
+  %350 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %347
+  %351 = load i64, ptr %350, align 8
+  %352 = icmp slt i64 %351, 0
+  br i1 %352, label %353, label %373
+
+353:
+  %354 = trunc i64 %347 to i32
+  %355 = call fastcc i32 @take_lane(ptr noundef nonnull %0, i64 noundef %44, ptr noundef nonnull %3, i32 noundef %354)
+  %356 = icmp eq i32 %355, 0
+  br i1 %356, label %373, label %357
+
+357:
+  %358 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %347
+  store i64 0, ptr %358, align 8
+  %359 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %347
+  store i64 0, ptr %359, align 8
+  %360 = load i64, ptr %328, align 8
+  %361 = icmp sgt i64 %360, -1
+  br i1 %361, label %362, label %369
 
 362:
-  %363 = load i64, ptr %59, align 8
-  %364 = icmp sgt i64 %363, 0
-  br i1 %364, label %365, label %424
+  %363 = load ptr, ptr %3, align 8
+  %364 = shl nsw i64 %360, 3
+  %365 = add nsw i64 %364, %347
+  %366 = getelementptr inbounds double, ptr %363, i64 %365
+  %367 = load double, ptr %366, align 8
+  %368 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %347
+  store double %367, ptr %368, align 8
+  br label %369
 
-365:
-  %366 = phi i64 [ %375, %365 ], [ 0, %362 ]
-  %367 = shl nsw i64 %366, 3
-  %368 = getelementptr inbounds double, ptr %345, i64 %367
-  %369 = load double, ptr %368, align 8
-  %370 = load ptr, ptr %348, align 8
-  %371 = load i64, ptr %359, align 8
-  %372 = mul nsw i64 %371, %366
-  %373 = add nsw i64 %372, %347
-  %374 = getelementptr inbounds double, ptr %370, i64 %373
-  store double %369, ptr %374, align 8
-  %375 = add nuw nsw i64 %366, 1
-  %376 = load i64, ptr %59, align 8
-  %377 = icmp slt i64 %375, %376
-  br i1 %377, label %365, label %424
+369:
+  %370 = shl nuw i32 1, %354
+  %371 = trunc i32 %370 to i8
+  %372 = or i8 %348, %371
+  br label %373
 
-378:
-  %379 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %336
-  %380 = load i64, ptr %379, align 8
-  %381 = load i64, ptr %42, align 8
-  %382 = mul nsw i64 %381, %380
-  %383 = add nsw i64 %382, %347
-  %384 = load ptr, ptr %44, align 8
-  %385 = load i64, ptr %60, align 8
-  %386 = getelementptr inbounds ptr, ptr %384, i64 %385
-  %387 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %336
-  %388 = load i64, ptr %387, align 8
-  %389 = load i64, ptr %59, align 8
-  %390 = load ptr, ptr %0, align 8
-  %391 = getelementptr inbounds %struct.Operation, ptr %390, i64 0, i32 6
-  %392 = load i64, ptr %391, align 8
-  %393 = add nsw i64 %392, 1
-  %394 = sdiv i64 %389, %393
-  %395 = sub nsw i64 %392, %388
-  %396 = load i64, ptr %33, align 8
-  %397 = tail call i64 @llvm.smin.i64(i64 %395, i64 %396)
-  %398 = add nsw i64 %397, 1
-  %399 = mul nsw i64 %398, %394
-  %400 = icmp sgt i64 %399, 0
-  br i1 %400, label %401, label %424
+373:
+  %374 = phi i8 [ %372, %369 ], [ %348, %353 ], [ %348, %346 ]
+  %375 = load i64, ptr %350, align 8
+  %376 = trunc i64 %347 to i32
+  %377 = shl nuw i32 1, %376
+  %378 = trunc i32 %377 to i8
+  %379 = icmp slt i64 %375, 0
+  %380 = select i1 %379, i8 0, i8 %378
+  %381 = or i8 %380, %349
+  %382 = add nuw nsw i64 %347, 1
+  %383 = icmp eq i64 %382, 8
+  br i1 %383, label %344, label %346
 
-401:
-  %402 = mul nsw i64 %394, %388
-  br label %403
+384:
+  %385 = load ptr, ptr %49, align 8
+  %386 = load ptr, ptr %3, align 8
+  %387 = tail call zeroext i8 %385(ptr noundef %386, i8 noundef zeroext %374, i64 noundef %327)
+  br label %388
 
-403:
-  %404 = phi i64 [ 0, %401 ], [ %414, %403 ]
+388:
+  %389 = icmp eq i8 %381, 0
+  br i1 %389, label %645, label %390
+
+390:
+  %391 = zext i8 %381 to i32
+  %392 = load ptr, ptr %3, align 8
+  br label %393
+
+393:
+  %394 = load ptr, ptr %329, align 8
+  %395 = tail call zeroext i8 %394(ptr noundef %392, i8 noundef zeroext %381, i64 noundef %327)
+  %396 = xor i8 %395, -1
+  %397 = and i8 %381, %396
+  %398 = load ptr, ptr %330, align 8
+  %399 = icmp eq ptr %398, null
+  br i1 %399, label %588, label %400
+
+400:
+  %401 = load i64, ptr %331, align 8
+  %402 = shl nsw i64 %401, 3
+  %403 = getelementptr inbounds double, ptr %392, i64 %402
+  %404 = load i64, ptr %332, align 8
   %405 = shl nsw i64 %404, 3
-  %406 = getelementptr inbounds double, ptr %345, i64 %405
-  %407 = load double, ptr %406, align 8
-  %408 = icmp slt i64 %404, %394
-  %409 = select i1 %408, i64 0, i64 %402
-  %410 = add nsw i64 %409, %404
-  %411 = getelementptr inbounds ptr, ptr %386, i64 %410
-  %412 = load ptr, ptr %411, align 8
-  %413 = getelementptr inbounds double, ptr %412, i64 %383
-  store double %407, ptr %413, align 8
-  %414 = add nuw nsw i64 %404, 1
-  %415 = load ptr, ptr %0, align 8
-  %416 = getelementptr inbounds %struct.Operation, ptr %415, i64 0, i32 6
-  %417 = load i64, ptr %416, align 8
-  %418 = sub nsw i64 %417, %388
-  %419 = load i64, ptr %33, align 8
-  %420 = tail call i64 @llvm.smin.i64(i64 %418, i64 %419)
-  %421 = add nsw i64 %420, 1
-  %422 = mul nsw i64 %421, %394
-  %423 = icmp slt i64 %414, %422
-  br i1 %423, label %403, label %424
+  %406 = getelementptr inbounds double, ptr %392, i64 %405
+  %407 = zext i8 %397 to i32
+  br label %410
+
+408:
+  %409 = icmp eq i8 %483, 0
+  br i1 %409, label %588, label %489
+
+410:
+  %411 = phi i64 [ 0, %400 ], [ %487, %486 ]
+  %412 = phi i8 [ 0, %400 ], [ %488, %486 ]
+  %413 = trunc i64 %411 to i32
+  %414 = shl nuw i32 1, %413
+  %415 = and i32 %414, %391
+  %416 = icmp eq i32 %415, 0
+  br i1 %416, label %482, label %417
+
+417:
+  %418 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %411
+  %419 = load i64, ptr %418, align 8
+  %420 = load ptr, ptr %36, align 8
+  %421 = icmp eq ptr %420, null
+  br i1 %421, label %434, label %422
+
+422:
+  %423 = icmp eq i64 %419, 0
+  br i1 %423, label %469, label %424
 
 424:
-  %425 = add nsw i64 %347, 1
-  store i64 %425, ptr %346, align 8
-  br label %426
+  %425 = load i64, ptr %331, align 8
+  %426 = shl nsw i64 %425, 3
+  %427 = add nsw i64 %426, %411
+  %428 = getelementptr inbounds double, ptr %392, i64 %427
+  %429 = load double, ptr %428, align 8
+  %430 = getelementptr inbounds %struct.Course, ptr %420, i64 0, i32 3
+  %431 = load double, ptr %430, align 8
+  %432 = fcmp ogt double %429, %431
+  %433 = select i1 %432, double %429, double 0x7FF0000000000000
+  br label %469
 
-426:
-  %427 = add nuw nsw i64 %336, 1
-  %428 = icmp eq i64 %427, 8
-  br i1 %428, label %327, label %335
+434:
+  %435 = load i64, ptr %37, align 8
+  %436 = icmp eq i64 %419, %435
+  br i1 %436, label %469, label %437
 
-429:
-  %430 = icmp eq i8 %238, 0
-  br i1 %430, label %234, label %431
+437:
+  %438 = load ptr, ptr %38, align 8
+  %439 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %411
+  %440 = load i64, ptr %439, align 8
+  %441 = load i64, ptr %39, align 8
+  %442 = icmp eq i64 %441, 1
+  %443 = load ptr, ptr %438, align 8
+  br i1 %442, label %444, label %449
 
-431:
-  %432 = load ptr, ptr %61, align 8
-  %433 = tail call zeroext i8 %432(ptr noundef %28, i8 noundef zeroext %238, i64 noundef %50)
-  %434 = zext i8 %238 to i32
-  br label %435
-
-435:
-  %436 = phi i64 [ 0, %431 ], [ %561, %559 ]
-  %437 = phi i8 [ 0, %431 ], [ %560, %559 ]
-  %438 = trunc i64 %436 to i32
-  %439 = shl nuw i32 1, %438
-  %440 = and i32 %439, %434
-  %441 = icmp eq i32 %440, 0
-  br i1 %441, label %559, label %442
-
-442:
-  %443 = load i64, ptr %53, align 8
-  %444 = icmp slt i64 %443, 0
-  br i1 %444, label %480, label %445
-
-445:
-  %446 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %436
-  %447 = load i64, ptr %446, align 8
-  %448 = icmp eq i64 %447, 7
-  br i1 %448, label %480, label %449
+444:
+  %445 = getelementptr inbounds %struct.Operand, ptr %438, i64 0, i32 1
+  %446 = load i64, ptr %445, align 8
+  %447 = mul nsw i64 %446, %440
+  %448 = getelementptr inbounds double, ptr %443, i64 %447
+  br label %465
 
 449:
-  %450 = load i64, ptr %62, align 8
-  %451 = shl nsw i64 %450, 3
-  %452 = getelementptr inbounds double, ptr %28, i64 %451
-  %453 = getelementptr inbounds double, ptr %452, i64 %436
-  %454 = load i64, ptr %63, align 8
-  %455 = shl nsw i64 %454, 3
-  %456 = getelementptr inbounds double, ptr %453, i64 %455
-  %457 = load double, ptr %456, align 8
-  %458 = load double, ptr %64, align 8
-  %459 = fcmp une double %457, %458
-  br i1 %459, label %480, label %460
+  %450 = icmp sgt i64 %441, 0
+  br i1 %450, label %451, label %465
 
-460:
-  %461 = load i64, ptr %65, align 8
-  %462 = shl nsw i64 %461, 3
-  %463 = getelementptr inbounds double, ptr %453, i64 %462
-  %464 = load double, ptr %463, align 8
-  %465 = load double, ptr %66, align 8
-  %466 = fcmp ult double %464, %465
-  br i1 %466, label %467, label %480
+451:
+  %452 = phi i64 [ %455, %451 ], [ %441, %449 ]
+  %453 = phi ptr [ %462, %451 ], [ %443, %449 ]
+  %454 = phi i64 [ %463, %451 ], [ %440, %449 ]
+  %455 = add nsw i64 %452, -1
+  %456 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %455
+  %457 = load i64, ptr %456, align 8
+  %458 = srem i64 %454, %457
+  %459 = getelementptr inbounds %struct.Operand, ptr %438, i64 0, i32 1, i64 %455
+  %460 = load i64, ptr %459, align 8
+  %461 = mul nsw i64 %460, %458
+  %462 = getelementptr inbounds double, ptr %453, i64 %461
+  %463 = sdiv i64 %454, %457
+  %464 = icmp sgt i64 %452, 1
+  br i1 %464, label %451, label %465
 
-467:
-  %468 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 3, i64 %436
-  %469 = load double, ptr %468, align 8
-  %470 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %47, i32 17, i64 %447
-  %471 = load double, ptr %470, align 8
-  %472 = fmul double %469, %471
-  %473 = shl nsw i64 %443, 3
-  %474 = add nsw i64 %473, %436
-  %475 = getelementptr inbounds double, ptr %28, i64 %474
-  store double %472, ptr %475, align 8
-  %476 = add nsw i64 %447, 1
-  store i64 %476, ptr %446, align 8
-  %477 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %436
-  store i64 0, ptr %477, align 8
-  %478 = trunc i32 %439 to i8
-  %479 = or i8 %437, %478
-  br label %559
+465:
+  %466 = phi ptr [ %448, %444 ], [ %443, %449 ], [ %462, %451 ]
+  %467 = getelementptr inbounds double, ptr %466, i64 %419
+  %468 = load double, ptr %467, align 8
+  br label %469
 
-480:
-  %481 = load i64, ptr %62, align 8
-  %482 = shl nsw i64 %481, 3
-  %483 = getelementptr inbounds double, ptr %28, i64 %482
-  %484 = getelementptr inbounds double, ptr %483, i64 %436
-  %485 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %436
-  %486 = load i64, ptr %485, align 8
-  %487 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %436
-  %488 = load i64, ptr %487, align 8
-  %489 = load ptr, ptr %0, align 8
-  %490 = getelementptr inbounds %struct.Operation, ptr %489, i64 0, i32 6
-  %491 = load i64, ptr %490, align 8
-  %492 = sub nsw i64 %491, %488
-  %493 = load i64, ptr %33, align 8
-  %494 = tail call i64 @llvm.smin.i64(i64 %492, i64 %493)
-  %495 = add nsw i64 %494, 1
-  %496 = load i64, ptr %60, align 8
-  %497 = add nsw i64 %491, 1
-  %498 = sdiv i64 %496, %497
-  %499 = mul nsw i64 %498, %495
-  %500 = icmp sgt i64 %499, 0
-  br i1 %500, label %501, label %503
+469:
+  %470 = phi double [ %468, %465 ], [ %433, %424 ], [ 0.000000e+00, %422 ], [ 0x7FF0000000000000, %434 ]
+  %471 = getelementptr inbounds double, ptr %406, i64 %411
+  store double %470, ptr %471, align 8
+  %472 = getelementptr inbounds double, ptr %403, i64 %411
+  %473 = load double, ptr %472, align 8
+  %474 = and i32 %414, %407
+  %475 = icmp eq i32 %474, 0
+  %476 = select i1 %475, double 1.000000e+00, double 0x3FF000010C6F7A0B
+  %477 = fmul double %476, %473
+  %478 = fcmp ugt double %470, %477
+  %479 = trunc i32 %414 to i8
+  %480 = select i1 %478, i8 0, i8 %479
+  %481 = or i8 %480, %412
+  br label %482
 
-501:
-  %502 = mul nsw i64 %498, %488
-  br label %506
+482:
+  %483 = phi i8 [ %481, %469 ], [ %412, %410 ]
+  %484 = add nuw nsw i64 %411, 1
+  %485 = icmp eq i64 %484, 8
+  br i1 %485, label %408, label %486
 
-503:
-  %504 = load ptr, ptr %41, align 8
-  %505 = icmp eq ptr %504, null
-  br i1 %505, label %520, label %558
+486:
+  %487 = phi i64 [ %484, %482 ], [ 0, %585 ]
+  %488 = phi i8 [ %483, %482 ], [ 0, %585 ]
+  br label %410
 
-506:
-  %507 = phi i64 [ 0, %501 ], [ %518, %506 ]
-  %508 = shl nsw i64 %507, 3
-  %509 = getelementptr inbounds double, ptr %484, i64 %508
-  %510 = load double, ptr %509, align 8
-  %511 = load ptr, ptr %44, align 8
-  %512 = icmp slt i64 %507, %498
-  %513 = select i1 %512, i64 0, i64 %502
-  %514 = add nsw i64 %513, %507
-  %515 = getelementptr inbounds ptr, ptr %511, i64 %514
-  %516 = load ptr, ptr %515, align 8
-  %517 = getelementptr inbounds double, ptr %516, i64 %486
-  store double %510, ptr %517, align 8
-  %518 = add nuw nsw i64 %507, 1
-  %519 = icmp eq i64 %518, %499
-  br i1 %519, label %503, label %506
+489:
+  %490 = load ptr, ptr %330, align 8
+  %491 = load i64, ptr %35, align 8
+  %492 = tail call zeroext i8 %490(ptr noundef %392, i8 noundef zeroext %483, i64 noundef %491)
+  %493 = zext i8 %483 to i32
+  br label %494
 
-520:
-  %521 = load ptr, ptr %44, align 8
-  %522 = load i64, ptr %60, align 8
-  %523 = getelementptr inbounds ptr, ptr %521, i64 %522
-  %524 = load i64, ptr %59, align 8
-  %525 = load ptr, ptr %0, align 8
-  %526 = getelementptr inbounds %struct.Operation, ptr %525, i64 0, i32 6
-  %527 = load i64, ptr %526, align 8
-  %528 = add nsw i64 %527, 1
-  %529 = sdiv i64 %524, %528
-  %530 = mul nsw i64 %529, %495
-  %531 = icmp sgt i64 %530, 0
-  br i1 %531, label %532, label %558
+494:
+  %495 = phi i64 [ 0, %489 ], [ %586, %585 ]
+  %496 = trunc i64 %495 to i32
+  %497 = shl nuw i32 1, %496
+  %498 = and i32 %497, %493
+  %499 = icmp eq i32 %498, 0
+  br i1 %499, label %585, label %500
 
-532:
-  %533 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %436
-  %534 = mul nsw i64 %529, %488
-  %535 = load i64, ptr %533, align 8
-  br label %536
+500:
+  %501 = load i64, ptr %333, align 8
+  %502 = shl nsw i64 %501, 3
+  %503 = getelementptr inbounds double, ptr %392, i64 %502
+  %504 = getelementptr inbounds double, ptr %503, i64 %495
+  %505 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %495
+  %506 = load i64, ptr %505, align 8
+  %507 = load ptr, ptr %36, align 8
+  %508 = icmp eq ptr %507, null
+  br i1 %508, label %537, label %509
 
-536:
-  %537 = phi i64 [ 0, %532 ], [ %546, %545 ]
-  %538 = load i64, ptr %42, align 8
-  %539 = icmp slt i64 %535, %538
-  br i1 %539, label %540, label %545
+509:
+  %510 = load i64, ptr %332, align 8
+  %511 = shl nsw i64 %510, 3
+  %512 = add nsw i64 %511, %495
+  %513 = getelementptr inbounds double, ptr %392, i64 %512
+  %514 = load double, ptr %513, align 8
+  %515 = getelementptr inbounds %struct.Course, ptr %507, i64 0, i32 3
+  store double %514, ptr %515, align 8
+  %516 = add nsw i64 %506, 1
+  %517 = getelementptr inbounds %struct.Course, ptr %507, i64 0, i32 2
+  store i64 %516, ptr %517, align 8
+  %518 = getelementptr inbounds %struct.Course, ptr %507, i64 0, i32 1
+  %519 = load i64, ptr %518, align 8
+  %520 = icmp slt i64 %506, %519
+  br i1 %520, label %521, label %583
 
-540:
-  %541 = icmp slt i64 %537, %529
-  %542 = select i1 %541, i64 0, i64 %534
-  %543 = add nsw i64 %542, %537
-  %544 = getelementptr inbounds ptr, ptr %523, i64 %543
-  br label %548
+521:
+  %522 = load i64, ptr %334, align 8
+  %523 = icmp sgt i64 %522, 0
+  br i1 %523, label %524, label %583
 
-545:
-  %546 = add nuw nsw i64 %537, 1
-  %547 = icmp eq i64 %546, %530
-  br i1 %547, label %558, label %536
+524:
+  %525 = phi i64 [ %534, %524 ], [ 0, %521 ]
+  %526 = shl nsw i64 %525, 3
+  %527 = getelementptr inbounds double, ptr %504, i64 %526
+  %528 = load double, ptr %527, align 8
+  %529 = load ptr, ptr %507, align 8
+  %530 = load i64, ptr %518, align 8
+  %531 = mul nsw i64 %530, %525
+  %532 = add nsw i64 %531, %506
+  %533 = getelementptr inbounds double, ptr %529, i64 %532
+  store double %528, ptr %533, align 8
+  %534 = add nuw nsw i64 %525, 1
+  %535 = load i64, ptr %334, align 8
+  %536 = icmp slt i64 %534, %535
+  br i1 %536, label %524, label %583
 
-548:
-  %549 = phi i64 [ %538, %540 ], [ %556, %548 ]
-  %550 = phi i64 [ %535, %540 ], [ %555, %548 ]
-  %551 = load ptr, ptr %544, align 8
-  %552 = mul nsw i64 %549, %486
-  %553 = add nsw i64 %552, %550
-  %554 = getelementptr inbounds double, ptr %551, i64 %553
-  store double 0x7FF8000000000000, ptr %554, align 8
-  %555 = add nsw i64 %550, 1
-  %556 = load i64, ptr %42, align 8
-  %557 = icmp slt i64 %555, %556
-  br i1 %557, label %548, label %545
+537:
+  %538 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %495
+  %539 = load i64, ptr %538, align 8
+  %540 = load i64, ptr %37, align 8
+  %541 = mul nsw i64 %540, %539
+  %542 = add nsw i64 %541, %506
+  %543 = load ptr, ptr %40, align 8
+  %544 = load i64, ptr %335, align 8
+  %545 = getelementptr inbounds ptr, ptr %543, i64 %544
+  %546 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 2, i64 %495
+  %547 = load i64, ptr %546, align 8
+  %548 = load i64, ptr %334, align 8
+  %549 = load ptr, ptr %0, align 8
+  %550 = getelementptr inbounds %struct.Operation, ptr %549, i64 0, i32 6
+  %551 = load i64, ptr %550, align 8
+  %552 = add nsw i64 %551, 1
+  %553 = sdiv i64 %548, %552
+  %554 = sub nsw i64 %551, %547
+  %555 = load i64, ptr %35, align 8
+  %556 = tail call i64 @llvm.smin.i64(i64 %554, i64 %555)
+  %557 = add nsw i64 %556, 1
+  %558 = mul nsw i64 %557, %553
+  %559 = icmp sgt i64 %558, 0
+  br i1 %559, label %560, label %583
 
-558:
-  store i64 -1, ptr %485, align 8
-  br label %559
+560:
+  %561 = mul nsw i64 %553, %547
+  br label %562
 
-559:
-  %560 = phi i8 [ %479, %467 ], [ %437, %558 ], [ %437, %435 ]
-  %561 = add nuw nsw i64 %436, 1
-  %562 = icmp eq i64 %561, 8
-  br i1 %562, label %563, label %435
+562:
+  %563 = phi i64 [ 0, %560 ], [ %573, %562 ]
+  %564 = shl nsw i64 %563, 3
+  %565 = getelementptr inbounds double, ptr %504, i64 %564
+  %566 = load double, ptr %565, align 8
+  %567 = icmp slt i64 %563, %553
+  %568 = select i1 %567, i64 0, i64 %561
+  %569 = add nsw i64 %568, %563
+  %570 = getelementptr inbounds ptr, ptr %545, i64 %569
+  %571 = load ptr, ptr %570, align 8
+  %572 = getelementptr inbounds double, ptr %571, i64 %542
+  store double %566, ptr %572, align 8
+  %573 = add nuw nsw i64 %563, 1
+  %574 = load ptr, ptr %0, align 8
+  %575 = getelementptr inbounds %struct.Operation, ptr %574, i64 0, i32 6
+  %576 = load i64, ptr %575, align 8
+  %577 = sub nsw i64 %576, %547
+  %578 = load i64, ptr %35, align 8
+  %579 = tail call i64 @llvm.smin.i64(i64 %577, i64 %578)
+  %580 = add nsw i64 %579, 1
+  %581 = mul nsw i64 %580, %553
+  %582 = icmp slt i64 %573, %581
+  br i1 %582, label %562, label %583
 
-563:
-  %564 = phi i8 [ %68, %230 ], [ %560, %559 ]
-  br i1 %231, label %565, label %67
+583:
+  %584 = add nsw i64 %506, 1
+  store i64 %584, ptr %505, align 8
+  br label %585
 
-565:
-  %566 = add nuw nsw i64 %47, 1
-  %567 = load i64, ptr %3, align 8
-  %568 = icmp slt i64 %566, %567
-  br i1 %568, label %46, label %45
+585:
+  %586 = add nuw nsw i64 %495, 1
+  %587 = icmp eq i64 %586, 8
+  br i1 %587, label %486, label %494
 
-569:
+588:
+  %589 = icmp eq i8 %397, 0
+  br i1 %589, label %393, label %590
+
+590:
+  %591 = load ptr, ptr %336, align 8
+  %592 = tail call zeroext i8 %591(ptr noundef %392, i8 noundef zeroext %397, i64 noundef %327)
+  %593 = zext i8 %397 to i32
+  br label %594
+
+594:
+  %595 = phi i64 [ 0, %590 ], [ %643, %641 ]
+  %596 = phi i8 [ 0, %590 ], [ %642, %641 ]
+  %597 = trunc i64 %595 to i32
+  %598 = shl nuw i32 1, %597
+  %599 = and i32 %598, %593
+  %600 = icmp eq i32 %599, 0
+  br i1 %600, label %641, label %601
+
+601:
+  %602 = load i64, ptr %328, align 8
+  %603 = icmp slt i64 %602, 0
+  br i1 %603, label %639, label %604
+
+604:
+  %605 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %595
+  %606 = load i64, ptr %605, align 8
+  %607 = icmp eq i64 %606, 7
+  br i1 %607, label %639, label %608
+
+608:
+  %609 = load i64, ptr %337, align 8
+  %610 = shl nsw i64 %609, 3
+  %611 = getelementptr inbounds double, ptr %392, i64 %610
+  %612 = getelementptr inbounds double, ptr %611, i64 %595
+  %613 = load i64, ptr %338, align 8
+  %614 = shl nsw i64 %613, 3
+  %615 = getelementptr inbounds double, ptr %612, i64 %614
+  %616 = load double, ptr %615, align 8
+  %617 = load double, ptr %339, align 8
+  %618 = fcmp une double %616, %617
+  br i1 %618, label %639, label %619
+
+619:
+  %620 = load i64, ptr %340, align 8
+  %621 = shl nsw i64 %620, 3
+  %622 = getelementptr inbounds double, ptr %612, i64 %621
+  %623 = load double, ptr %622, align 8
+  %624 = load double, ptr %341, align 8
+  %625 = fcmp ult double %623, %624
+  br i1 %625, label %626, label %639
+
+626:
+  %627 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %595
+  %628 = load double, ptr %627, align 8
+  %629 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %606
+  %630 = load double, ptr %629, align 8
+  %631 = fmul double %628, %630
+  %632 = shl nsw i64 %602, 3
+  %633 = add nsw i64 %632, %595
+  %634 = getelementptr inbounds double, ptr %392, i64 %633
+  store double %631, ptr %634, align 8
+  %635 = add nsw i64 %606, 1
+  store i64 %635, ptr %605, align 8
+  %636 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %595
+  store i64 0, ptr %636, align 8
+  %637 = trunc i32 %598 to i8
+  %638 = or i8 %596, %637
+  br label %641
+
+639:
+  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %597)
+  %640 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %595
+  store i64 -1, ptr %640, align 8
+  br label %641
+
+641:
+  %642 = phi i8 [ %638, %626 ], [ %596, %639 ], [ %596, %594 ]
+  %643 = add nuw nsw i64 %595, 1
+  %644 = icmp eq i64 %643, 8
+  br i1 %644, label %645, label %594
+
+645:
+  %646 = phi i8 [ %343, %388 ], [ %642, %641 ]
+  br i1 %389, label %647, label %342
+
+647:
+  %648 = add nuw nsw i64 %44, 1
+  %649 = load i64, ptr %4, align 8
+  %650 = icmp slt i64 %648, %649
+  br i1 %650, label %43, label %42
+
+651:
   ret ptr null
 }
 
@@ -1942,6 +2100,323 @@ define internal i32 @work_on_windows(ptr nocapture noundef %0) {
   %2 = tail call ptr @work(ptr noundef %0)
   ret i32 0
 }
+
+define internal fastcc i32 @take_lane(ptr nocapture noundef %0, i64 noundef %1, ptr nocapture noundef %2, i32 noundef %3) unnamed_addr {
+  %5 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 19, i64 %1
+  %6 = atomicrmw add ptr %5, i64 1 monotonic, align 8
+  %7 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 20, i64 %1
+  %8 = load i64, ptr %7, align 8
+  %9 = icmp slt i64 %6, %8
+  br i1 %9, label %10, label %154
+
+10:
+  %11 = load ptr, ptr %0, align 8
+  %12 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 18
+  %13 = load ptr, ptr %12, align 8
+  %14 = getelementptr inbounds %struct.Turn, ptr %13, i64 %6, i32 1
+  %15 = load i64, ptr %14, align 8
+  %16 = getelementptr inbounds %struct.Turn, ptr %13, i64 %6, i32 2
+  %17 = load i64, ptr %16, align 8
+  %18 = getelementptr inbounds %struct.Operation, ptr %11, i64 0, i32 5
+  %19 = load i64, ptr %18, align 8
+  %20 = icmp sgt i64 %19, 0
+  br i1 %20, label %21, label %24
+
+21:
+  %22 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 8
+  %23 = sext i32 %3 to i64
+  br label %32
+
+24:
+  %25 = phi i64 [ %19, %10 ], [ %43, %32 ]
+  %26 = getelementptr inbounds %struct.Operation, ptr %11, i64 0, i32 5
+  %27 = getelementptr inbounds %struct.Operation, ptr %11, i64 0, i32 1, i64 %1, i32 5
+  %28 = load i64, ptr %27, align 8
+  %29 = icmp slt i64 %25, %28
+  br i1 %29, label %30, label %45
+
+30:
+  %31 = sext i32 %3 to i64
+  br label %54
+
+32:
+  %33 = phi i64 [ 0, %21 ], [ %42, %32 ]
+  %34 = load ptr, ptr %22, align 8
+  %35 = load ptr, ptr %34, align 8
+  %36 = getelementptr inbounds double, ptr %35, i64 %33
+  %37 = load double, ptr %36, align 8
+  %38 = load ptr, ptr %2, align 8
+  %39 = shl nsw i64 %33, 3
+  %40 = add nsw i64 %39, %23
+  %41 = getelementptr inbounds double, ptr %38, i64 %40
+  store double %37, ptr %41, align 8
+  %42 = add nuw nsw i64 %33, 1
+  %43 = load i64, ptr %18, align 8
+  %44 = icmp slt i64 %42, %43
+  br i1 %44, label %32, label %24
+
+45:
+  %46 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 7
+  %47 = load i64, ptr %46, align 8
+  %48 = icmp sgt i64 %47, 0
+  br i1 %48, label %49, label %63
+
+49:
+  %50 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 9
+  %51 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 10
+  %52 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 1
+  %53 = sext i32 %3 to i64
+  br label %76
+
+54:
+  %55 = phi i64 [ %25, %30 ], [ %60, %54 ]
+  %56 = load ptr, ptr %2, align 8
+  %57 = shl nsw i64 %55, 3
+  %58 = add nsw i64 %57, %31
+  %59 = getelementptr inbounds double, ptr %56, i64 %58
+  store double 0.000000e+00, ptr %59, align 8
+  %60 = add nsw i64 %55, 1
+  %61 = load i64, ptr %27, align 8
+  %62 = icmp slt i64 %60, %61
+  br i1 %62, label %54, label %45
+
+63:
+  %64 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 5
+  %65 = load ptr, ptr %0, align 8
+  %66 = getelementptr inbounds %struct.Operation, ptr %65, i64 0, i32 6
+  %67 = load i64, ptr %66, align 8
+  %68 = sub nsw i64 %67, %17
+  %69 = load i64, ptr %64, align 8
+  %70 = tail call i64 @llvm.smin.i64(i64 %68, i64 %69)
+  %71 = icmp sgt i64 %70, 0
+  br i1 %71, label %72, label %119
+
+72:
+  %73 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 13
+  %74 = getelementptr inbounds %struct.Operation, ptr %11, i64 0, i32 6
+  %75 = sext i32 %3 to i64
+  br label %123
+
+76:
+  %77 = phi i64 [ 0, %49 ], [ %116, %109 ]
+  %78 = load ptr, ptr %50, align 8
+  %79 = load ptr, ptr %78, align 8
+  %80 = getelementptr inbounds double, ptr %79, i64 %77
+  %81 = load double, ptr %80, align 8
+  %82 = fptosi double %81 to i64
+  %83 = load ptr, ptr %51, align 8
+  %84 = getelementptr inbounds %struct.Operand, ptr %83, i64 %77
+  %85 = load i64, ptr %52, align 8
+  %86 = icmp eq i64 %85, 1
+  %87 = load ptr, ptr %84, align 8
+  br i1 %86, label %88, label %93
+
+88:
+  %89 = getelementptr inbounds %struct.Operand, ptr %83, i64 %77, i32 1
+  %90 = load i64, ptr %89, align 8
+  %91 = mul nsw i64 %90, %15
+  %92 = getelementptr inbounds double, ptr %87, i64 %91
+  br label %109
+
+93:
+  %94 = icmp sgt i64 %85, 0
+  br i1 %94, label %95, label %109
+
+95:
+  %96 = phi i64 [ %99, %95 ], [ %85, %93 ]
+  %97 = phi ptr [ %106, %95 ], [ %87, %93 ]
+  %98 = phi i64 [ %107, %95 ], [ %15, %93 ]
+  %99 = add nsw i64 %96, -1
+  %100 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %99
+  %101 = load i64, ptr %100, align 8
+  %102 = srem i64 %98, %101
+  %103 = getelementptr inbounds %struct.Operand, ptr %83, i64 %77, i32 1, i64 %99
+  %104 = load i64, ptr %103, align 8
+  %105 = mul nsw i64 %104, %102
+  %106 = getelementptr inbounds double, ptr %97, i64 %105
+  %107 = sdiv i64 %98, %101
+  %108 = icmp sgt i64 %96, 1
+  br i1 %108, label %95, label %109
+
+109:
+  %110 = phi ptr [ %92, %88 ], [ %87, %93 ], [ %106, %95 ]
+  %111 = load double, ptr %110, align 8
+  %112 = load ptr, ptr %2, align 8
+  %113 = shl nsw i64 %82, 3
+  %114 = add nsw i64 %113, %53
+  %115 = getelementptr inbounds double, ptr %112, i64 %114
+  store double %111, ptr %115, align 8
+  %116 = add nuw nsw i64 %77, 1
+  %117 = load i64, ptr %46, align 8
+  %118 = icmp slt i64 %116, %117
+  br i1 %118, label %76, label %63
+
+119:
+  %120 = sext i32 %3 to i64
+  %121 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %120
+  store i64 %15, ptr %121, align 8
+  %122 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %120
+  store i64 %17, ptr %122, align 8
+  br label %154
+
+123:
+  %124 = phi i64 [ 0, %72 ], [ %146, %145 ]
+  %125 = load ptr, ptr %73, align 8
+  %126 = load ptr, ptr %125, align 8
+  %127 = add nsw i64 %124, %17
+  %128 = getelementptr inbounds double, ptr %126, i64 %127
+  %129 = load double, ptr %128, align 8
+  %130 = fptosi double %129 to i64
+  %131 = icmp sgt i64 %130, -1
+  br i1 %131, label %132, label %145
+
+132:
+  %133 = load i64, ptr %27, align 8
+  %134 = load i64, ptr %26, align 8
+  %135 = sub nsw i64 %133, %134
+  %136 = load i64, ptr %74, align 8
+  %137 = sdiv i64 %135, %136
+  %138 = load ptr, ptr %2, align 8
+  %139 = mul nsw i64 %137, %124
+  %140 = add i64 %134, %130
+  %141 = add i64 %140, %139
+  %142 = shl nsw i64 %141, 3
+  %143 = add nsw i64 %142, %75
+  %144 = getelementptr inbounds double, ptr %138, i64 %143
+  store double 1.000000e+00, ptr %144, align 8
+  br label %145
+
+145:
+  %146 = add nuw nsw i64 %124, 1
+  %147 = load ptr, ptr %0, align 8
+  %148 = getelementptr inbounds %struct.Operation, ptr %147, i64 0, i32 6
+  %149 = load i64, ptr %148, align 8
+  %150 = sub nsw i64 %149, %17
+  %151 = load i64, ptr %64, align 8
+  %152 = tail call i64 @llvm.smin.i64(i64 %150, i64 %151)
+  %153 = icmp slt i64 %146, %152
+  br i1 %153, label %123, label %119
+
+154:
+  %155 = phi i32 [ 1, %119 ], [ 0, %4 ]
+  ret i32 %155
+}
+
+define internal fastcc void @give_lane(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, ptr nocapture noundef readonly %2, i32 noundef %3) unnamed_addr {
+  %5 = load ptr, ptr %2, align 8
+  %6 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 6
+  %7 = load i64, ptr %6, align 8
+  %8 = shl nsw i64 %7, 3
+  %9 = getelementptr inbounds double, ptr %5, i64 %8
+  %10 = sext i32 %3 to i64
+  %11 = getelementptr inbounds double, ptr %9, i64 %10
+  %12 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %10
+  %13 = load i64, ptr %12, align 8
+  %14 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 2, i64 %10
+  %15 = load i64, ptr %14, align 8
+  %16 = load ptr, ptr %0, align 8
+  %17 = getelementptr inbounds %struct.Operation, ptr %16, i64 0, i32 6
+  %18 = load i64, ptr %17, align 8
+  %19 = sub nsw i64 %18, %15
+  %20 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 5
+  %21 = load i64, ptr %20, align 8
+  %22 = tail call i64 @llvm.smin.i64(i64 %19, i64 %21)
+  %23 = add nsw i64 %22, 1
+  %24 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 7
+  %25 = load i64, ptr %24, align 8
+  %26 = add nsw i64 %18, 1
+  %27 = sdiv i64 %25, %26
+  %28 = mul nsw i64 %27, %23
+  %29 = icmp sgt i64 %28, 0
+  br i1 %29, label %30, label %33
+
+30:
+  %31 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 15
+  %32 = mul nsw i64 %27, %15
+  br label %37
+
+33:
+  %34 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17
+  %35 = load ptr, ptr %34, align 8
+  %36 = icmp eq ptr %35, null
+  br i1 %36, label %51, label %92
+
+37:
+  %38 = phi i64 [ 0, %30 ], [ %49, %37 ]
+  %39 = shl nsw i64 %38, 3
+  %40 = getelementptr inbounds double, ptr %11, i64 %39
+  %41 = load double, ptr %40, align 8
+  %42 = load ptr, ptr %31, align 8
+  %43 = icmp slt i64 %38, %27
+  %44 = select i1 %43, i64 0, i64 %32
+  %45 = add nsw i64 %44, %38
+  %46 = getelementptr inbounds ptr, ptr %42, i64 %45
+  %47 = load ptr, ptr %46, align 8
+  %48 = getelementptr inbounds double, ptr %47, i64 %13
+  store double %41, ptr %48, align 8
+  %49 = add nuw nsw i64 %38, 1
+  %50 = icmp eq i64 %49, %28
+  br i1 %50, label %33, label %37
+
+51:
+  %52 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 15
+  %53 = load ptr, ptr %52, align 8
+  %54 = load i64, ptr %24, align 8
+  %55 = getelementptr inbounds ptr, ptr %53, i64 %54
+  %56 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 14
+  %57 = load i64, ptr %56, align 8
+  %58 = load ptr, ptr %0, align 8
+  %59 = getelementptr inbounds %struct.Operation, ptr %58, i64 0, i32 6
+  %60 = load i64, ptr %59, align 8
+  %61 = add nsw i64 %60, 1
+  %62 = sdiv i64 %57, %61
+  %63 = mul nsw i64 %62, %23
+  %64 = icmp sgt i64 %63, 0
+  br i1 %64, label %65, label %92
+
+65:
+  %66 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 5, i64 %10
+  %67 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 16
+  %68 = mul nsw i64 %62, %15
+  br label %69
+
+69:
+  %70 = phi i64 [ 0, %65 ], [ %80, %79 ]
+  %71 = load i64, ptr %66, align 8
+  %72 = load i64, ptr %67, align 8
+  %73 = icmp slt i64 %71, %72
+  br i1 %73, label %74, label %79
+
+74:
+  %75 = icmp slt i64 %70, %62
+  %76 = select i1 %75, i64 0, i64 %68
+  %77 = add nsw i64 %76, %70
+  %78 = getelementptr inbounds ptr, ptr %55, i64 %77
+  br label %82
+
+79:
+  %80 = add nuw nsw i64 %70, 1
+  %81 = icmp eq i64 %80, %63
+  br i1 %81, label %92, label %69
+
+82:
+  %83 = phi i64 [ %72, %74 ], [ %90, %82 ]
+  %84 = phi i64 [ %71, %74 ], [ %89, %82 ]
+  %85 = load ptr, ptr %78, align 8
+  %86 = mul nsw i64 %83, %13
+  %87 = add nsw i64 %86, %84
+  %88 = getelementptr inbounds double, ptr %85, i64 %87
+  store double 0x7FF8000000000000, ptr %88, align 8
+  %89 = add nsw i64 %84, 1
+  %90 = load i64, ptr %67, align 8
+  %91 = icmp slt i64 %89, %90
+  br i1 %91, label %82, label %79
+
+92:
+  ret void
+}
+
+declare noalias noundef ptr @realloc(ptr allocptr nocapture noundef, i64 noundef) local_unnamed_addr
 
 declare i64 @llvm.smin.i64(i64, i64)
 

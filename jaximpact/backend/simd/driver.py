@@ -28,6 +28,9 @@ class Program(ctypes.Structure):
         *((name, INTEGER) for name in ("sampled_row", "sampled_rows")),
         *((name, DOUBLE) for name in ("failed", "most_steps")),
         ("retries", DOUBLE * MOST_RETRIES),
+        *((name, POINTER) for name in ("from_end", "over_step", "to_start")),
+        ("kept_rows", POINTER),
+        *((name, INTEGER) for name in ("kept", "accepted")),
     )
 
 

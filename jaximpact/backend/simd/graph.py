@@ -23,6 +23,13 @@ NUMPY = {"f": FLOAT, "i": INTEGER, "u": INTEGER, "b": TRUTH}
 Number = float | int | bool
 
 
+class NoMachineCode(NotImplementedError):
+    """An operation that has no machine code."""
+
+    place = ""
+    """File, line and function that it stands in, where that is known."""
+
+
 class Node:
     """The result of one operation."""
 

@@ -6,6 +6,7 @@ has come to its end gives its place to the next. Lanes know nothing of each othe
 lane's results do not depend, to the last bit, on what runs beside it.
 """
 
+import enum
 import math
 from collections.abc import Callable, Sequence
 from itertools import count
@@ -17,15 +18,31 @@ import numpy as np
 from .arrays import Dual
 from .driver import Program
 from .functions import Function, write_choice, write_function
-from .graph import FLOAT, INPUT, NUMPY, Graph, Node, Value
-from .llvm_ir import HALF, PACK
+from .graph import FLOAT, INPUT, NUMPY, Graph, Node, NoMachineCode, Value
+from .llvm_ir import HALF, PACK, rows_read
 from .lower_jaxpr import Translator
 from .object_files import compile_functions, lanes_for, load, vectors_of
 from .parts import Output, Rows
+from .reverse import Reverse, way_back
 
 MOST_DIRECTIONS = 8
 """Derivatives that share a run of an impact. Each costs some three quarters of the
 value, and each needs 13 KB for eight lanes, which the processor's caches must hold."""
+
+
+WAY_THERE = "begin", "step", "finish", "sample"
+WAY_BACK = "from_end", "over_step", "to_start"
+"""Names of functions, as in `Program`."""
+
+
+class Mode(enum.StrEnum):
+    """What code gives."""
+
+    VALUES = "values"
+    FORWARD = "forward"
+    """Values, and their derivatives along directions."""
+    REVERSE = "reverse"
+    """Values, and a gradient of what is made of them."""
 
 
 class Code(NamedTuple):
@@ -45,6 +62,11 @@ class Code(NamedTuple):
     time_row: int = -1
     """Row of the state that holds the time reached; -1 where nothing is sampled."""
     sampled_rows: int = 0
+    accepted_row: int = -1
+    """Row of the state that counts the steps accepted; -1 where lanes do not go back.
+    """
+    kept_rows: tuple[int, ...] = ()
+    """Rows of which lanes that go back keep what each step begins with."""
 
 
 class Retries(NamedTuple):
@@ -85,6 +107,13 @@ class Kernel:
             sampled_row=asked + 1,
             sampled_rows=code.sampled_rows,
         )
+        if code.accepted_row >= 0:
+            for name in WAY_BACK:
+                setattr(self.program, name, address(name))
+            self._kept_rows = np.array(code.kept_rows, np.int64)
+            self.program.kept_rows = self._kept_rows.ctypes.data
+            self.program.kept = len(code.kept_rows)
+            self.program.accepted = code.accepted_row
         if retries is not None:
             self.program.tolerance = retries.tolerance_row
             self.program.outcome = retries.outcome_row
@@ -108,8 +137,9 @@ class Kernel:
     def layout(self) -> bytes:
         """Description of the code for the driver, without addresses, as bytes."""
         layout = Program.from_buffer_copy(self.program)
-        layout.begin = layout.step = layout.finish = layout.sample = None
-        return bytes(layout)
+        for name in (*WAY_THERE, *WAY_BACK, "kept_rows"):
+            setattr(layout, name, None)
+        return bytes(layout) + repr(self.code.kept_rows).encode()
 
 
 class LaneFunctions(NamedTuple):
@@ -188,10 +218,9 @@ def _compiled(
     at_inputs = layout.allot(inputs, along.inputs, more)
     at_state = layout.allot(state, along.state)
     at_results = layout.allot(results)
-    of_few = thorough and lanes_for(layout.directions > 0) == PACK
     to_write = [
         ("begin", begin, [at_inputs], [at_state], dict(masked=True)),
-        ("step", step, [at_state], [at_state], dict(says=True, of_few=of_few)),
+        ("step", step, [at_state], [at_state], dict(says=True, of_few=thorough)),
         ("finish", finish, [at_inputs, at_state], [at_results], {}),
     ]
     time_row, sampled_rows = -1, 0
@@ -206,25 +235,82 @@ def _compiled(
         time_row = at_state.place_of(functions.time, state)
         sources = [at_state, at_asked]
         to_write.append(("sample", sample, sources, [at_samples], dict(masked=True)))
-    written, spare_rows = zip(
-        *(
-            _written(layout, name, traced, sources, targets, **how)
-            for name, traced, sources, targets, how in to_write
-        ),
-        strict=True,
-    )
+    written = [
+        _written(layout, name, traced, sources, targets, **how)
+        for name, traced, sources, targets, how in to_write
+    ]
+    functions_written = [one.function for one in written]
     code = Code(
-        compile_functions(written, layout.directions > 0, thorough),
+        compile_functions(functions_written, layout.directions > 0, thorough),
         at_inputs.rows,
         at_inputs.size,
         at_results.rows,
         layout.rows,
-        max(spare_rows),
+        max(one.spare_rows for one in written),
         layout.directions,
         time_row,
         sampled_rows,
     )
     return code, results
+
+
+def compile_way_back(
+    functions: LaneFunctions, inputs, reverse: Reverse, thorough: bool = False
+) -> Code:
+    """Compile functions of lanes that come to their end and go back, for gradients of
+    what is made of their results; arguments as for `compile_code`.
+
+    Behind the rows of inputs stand those of the cotangents of the results; behind the
+    rows of results those of the cotangents of the inputs that vary.
+    """
+    back = way_back(functions.begin, functions.finish, reverse)
+    begin, state = jax.make_jaxpr(functions.begin, return_shape=True)(inputs)
+    step = jax.make_jaxpr(functions.step)(state)
+    finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(inputs, state)
+    try:
+        from_end, (of_inputs, of_state) = jax.make_jaxpr(
+            back.from_end, return_shape=True
+        )(inputs, results, state)
+        over_step = jax.make_jaxpr(back.over_step)(state, of_state)
+        to_start = jax.make_jaxpr(back.to_start)(inputs, of_inputs, of_state)
+    except Exception as error:  # of a user's law that has forward mode alone
+        problem, *_ = (str(error) or repr(error)).splitlines()
+        raise NoMachineCode(f"JAX has no reverse mode of it: {problem}") from error
+    layout = _Layout(0)
+    at_inputs, at_cotangents = layout.allot(inputs), layout.allot(results)
+    at_state, at_of_state = layout.allot(state), layout.allot(of_state)
+    at_results, at_of_inputs = layout.allot(results), layout.allot(of_inputs)
+    at_end = [at_inputs, at_cotangents, at_state]
+    at_start = [at_inputs, at_of_inputs, at_of_state]
+    backwards = dict(differentiated=True)
+    few = dict(of_few=thorough)
+    written = {
+        name: _written(layout, name, traced, sources, targets, **how)
+        for name, traced, sources, targets, how in (
+            ("begin", begin, [at_inputs], [at_state], dict(masked=True)),
+            ("step", step, [at_state], [at_state], dict(says=True, **few)),
+            ("finish", finish, [at_inputs, at_state], [at_results], {}),
+            ("from_end", from_end, at_end, [at_of_inputs, at_of_state], backwards),
+            (
+                "over_step",
+                over_step,
+                [at_state, at_of_state],
+                [at_of_state],
+                dict(masked=True, **few, **backwards),
+            ),
+            ("to_start", to_start, at_start, [at_of_inputs], backwards),
+        )
+    }
+    return Code(
+        compile_functions([x.function for x in written.values()], True, thorough),
+        at_inputs.rows + at_cotangents.rows,
+        at_inputs.rows + at_cotangents.rows,
+        at_results.rows + at_of_inputs.rows,
+        layout.rows,
+        max(x.spare_rows for x in written.values()),
+        accepted_row=at_state.place_of(reverse.accepted, state),
+        kept_rows=tuple(sorted(written["over_step"].read & written["step"].changed)),
+    )
 
 
 class _Part(NamedTuple):
@@ -295,6 +381,16 @@ class _Layout:
         return part._replace(varied=(0,), tangents=tangents, stride=stride)
 
 
+class _Written(NamedTuple):
+    """A function that is written."""
+
+    function: Function
+    spare_rows: int
+    read: set[int]
+    changed: set[int]
+    """Rows that it reads, and those that it changes."""
+
+
 def _written(
     layout: _Layout,
     name: str,
@@ -304,10 +400,11 @@ def _written(
     masked: bool = False,
     says: bool = False,
     of_few: bool = False,
-) -> tuple[Function, int]:
+    differentiated: bool = False,
+) -> _Written:
     """Write a traced function for LLVM. Its arguments are in the rows of the sources,
     its results go to those of the targets, but for the truth that it `says` last. It
-    has code `of_few` lanes beside that of all."""
+    has code `of_few` lanes beside that of all, if vectors have all."""
     graph, kinds = Graph(), iter(traced.in_avals)
 
     def inputs(row: int, shape: tuple[int, ...], kind: str, along=False) -> np.ndarray:
@@ -358,16 +455,19 @@ def _written(
         for place in range(math.prod(part.shapes[leaf]))
     }
     rows = Rows(layout.rows, layout.directions, strides)
+    read = rows_read([*(output.value for output in changed), said], graph.calls)
+    to = {output.row for output in changed}
+    lanes = lanes_for(differentiated or layout.directions > 0)
 
     def written(name: str, lanes: int) -> tuple[Function, int]:
         vectors = vectors_of(lanes)
         return write_function(name, changed, said, rows, vectors, masked, graph.calls)
 
-    if not of_few:
-        return written(name, lanes_for(layout.directions > 0))
+    if not of_few or lanes != PACK:
+        return _Written(*written(name, lanes), read, to)
     ways, spare_rows = {}, []
     for width in PACK, HALF:
         own = f"{name}_{width}"
         ways[own], spare = written(own, width)
         spare_rows.append(spare)
-    return write_choice(name, ways), max(spare_rows)
+    return _Written(write_choice(name, ways), max(spare_rows), read, to)

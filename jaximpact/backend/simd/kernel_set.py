@@ -29,6 +29,11 @@ USUAL_STEPS = 2_000
 once more."""
 
 
+ALONG_INPUTS = -1
+"""Stands for a direction that is given by derivatives of the inputs, which are among
+those that lanes have of their own: behind the inputs, in their order."""
+
+
 class Waiting(NamedTuple):
     """Kernel that is compiled when the first lane of an operation of XLA needs it."""
 
@@ -124,7 +129,7 @@ class KernelSet:
             effort: less for lanes that take longer, which begin first; by default they
                 begin in order.
             program: place of each lane's kernel, if there are several.
-            along: input of each direction.
+            along: input of each direction, or `ALONG_INPUTS` for the only one.
             times: at which samples are taken, increasing.
 
         Returns:

@@ -97,6 +97,20 @@ def in_order(roots: Iterable[Value], calls: Sequence[Call] = ()) -> list[Node]:
     thousand values wait for each other in a step with one derivative, and code takes a
     third longer to compile and to run.
     """
+    return [
+        node
+        for node in _needed(roots, calls)
+        if node.operation not in (INPUT, PARAMETER)
+    ]
+
+
+def rows_read(roots: Iterable[Value], calls: Sequence[Call]) -> set[int]:
+    """List the rows of memory that the roots need."""
+    return {n.arguments[0] for n in _needed(roots, calls) if n.operation == INPUT}
+
+
+def _needed(roots: Iterable[Value], calls: Sequence[Call]) -> list[Node]:
+    """List all nodes that the roots need, in the order of their making."""
     needed: dict[int, Node] = {}
     stack = [root for root in roots if isinstance(root, Node)]
     while stack:
@@ -110,8 +124,7 @@ def in_order(roots: Iterable[Value], calls: Sequence[Call] = ()) -> list[Node]:
                 first = next(other for other in calls if other.body is call.body)
                 values = [*call.arguments, *call.body.results, *first.results]
             stack.extend(value for value in values if isinstance(value, Node))
-    ordered = (needed[number] for number in sorted(needed))
-    return [node for node in ordered if node.operation not in (INPUT, PARAMETER)]
+    return [needed[number] for number in sorted(needed)]
 
 
 MAY_BE_PRODUCTS = {"multiply", "divide", "negate", "choose_float", "magnitude"}

@@ -16,8 +16,19 @@ import numpy as np
 
 from ..._jax_internals import Literal, bind, called, place_of, scan_counts, walk
 from . import math_functions as elementary
+from .arrangement import STRUCTURE
 from .arrays import Dual, Values, values_of
-from .graph import FLOAT, INTEGER, NUMPY, TRUTH, Graph, Node, Value, kind_of
+from .graph import (
+    FLOAT,
+    INTEGER,
+    NUMPY,
+    TRUTH,
+    Graph,
+    Node,
+    NoMachineCode,
+    Value,
+    kind_of,
+)
 from .math_functions import REWRITTEN
 from .repeated import Repeated, is_long
 
@@ -52,13 +63,6 @@ def _first(arrays: list[Values]) -> list[Value]:
 def _literal(atom: Literal) -> Values:
     aval: Any = atom.aval
     return values_of(np.asarray(atom.val, aval.dtype))
-
-
-class NoMachineCode(NotImplementedError):
-    """An operation that has no machine code."""
-
-    place = ""
-    """File, line and function that it stands in, where that is known."""
 
 
 class Translator:
@@ -138,7 +142,7 @@ class Translator:
             return [result.values for result in results]
         if name in REDUCTIONS:
             return [self.reduce(REDUCTIONS[name], params["axes"], *inputs)]
-        method = getattr(self, f"_{name}", None)
+        method = getattr(self, f"_{name.replace('-', '_')}", None)
         if method is None:
             raise NoMachineCode(f"no native code for the primitive '{name}'")
         return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
@@ -313,6 +317,10 @@ class Translator:
     def _gather(self, params, operand: Values, indices: Values) -> Values:
         axes, mode = params["dimension_numbers"].start_index_map, params["mode"]
         modes = jax.lax.GatherScatterMode
+        if _is_row(params["dimension_numbers"], params["slice_sizes"], operand):
+            index = indices.item()
+            if not isinstance(index, Node) and 0 <= index < len(operand):
+                return operand[index]
         if (
             indices.size != 1
             or len(axes) != 1
@@ -358,6 +366,33 @@ class Translator:
         result = operand.copy()
         result[index] = updates
         return result
+
+    def _scatter_add(self, params, operand: Values, indices: Values, updates: Values):
+        """Add a number to one entry of a row; beyond its ends nothing is added."""
+        axes = params["dimension_numbers"].scatter_dims_to_operand_dims
+        if (
+            indices.size != 1
+            or updates.size != 1
+            or len(axes) != 1
+            or operand.size != operand.shape[axes[0]]
+            or params["mode"] != jax.lax.GatherScatterMode.FILL_OR_DROP
+        ):
+            raise NoMachineCode("no native scatter-add but to one entry of a row")
+        at, index, update = self.graph.apply, indices.item(), updates.item()
+        result = operand.copy()
+        for i, value in enumerate(operand.flat):
+            chosen = self.graph.choose(at("integer_equal", i, index), update, 0.0)
+            result.flat[i] = at("add", value, chosen)
+        return result
+
+
+def _is_row(numbers, sizes, operand: Values) -> bool:
+    """Tell whether a gather takes one row of the first axis, whole."""
+    return (
+        tuple(numbers.start_index_map) == (0,)
+        and tuple(numbers.collapsed_slice_dims) == (0,)
+        and tuple(sizes) == (1, *operand.shape[1:])
+    )
 
 
 def _is_float(atom) -> bool:
@@ -433,54 +468,6 @@ def _of_quotient(x, y, tangents: dict):
     if 0 not in tangents:
         return tangents[1] * -(x / y / y)
     return (tangents[0] - tangents[1] * (x / y)) / y
-
-
-def _broadcast(params, x: Values) -> Values:
-    shape = [1] * len(params["shape"])
-    for size, axis in zip(x.shape, params["broadcast_dimensions"], strict=True):
-        shape[axis] = size
-    return np.broadcast_to(x.reshape(shape), params["shape"])
-
-
-def _slice(params, x: Values) -> Values:
-    strides = params["strides"] or (1,) * x.ndim
-    bounds = zip(params["start_indices"], params["limit_indices"], strides, strict=True)
-    return x[tuple(slice(*b) for b in bounds)]
-
-
-def _dynamic_slice(params, x: Values, *starts: Values) -> Values:
-    places = [start.item() for start in starts]
-    if any(isinstance(place, Node) for place in places):
-        raise NoMachineCode("no native dynamic_slice at an unknown place")
-    sizes = params["slice_sizes"]
-    return x[
-        tuple(
-            slice(min(max(place, 0), n - size), min(max(place, 0), n - size) + size)
-            for place, size, n in zip(places, sizes, x.shape, strict=True)
-        )
-    ]
-
-
-STRUCTURE = {
-    "stop_gradient": lambda params, x: x,
-    "copy": lambda params, x: x,
-    "broadcast_in_dim": _broadcast,
-    "reshape": lambda params, x: x.reshape(params["new_sizes"]),
-    "squeeze": lambda params, x: np.squeeze(x, tuple(params["dimensions"])),
-    "transpose": lambda params, x: np.transpose(x, params["permutation"]),
-    "slice": _slice,
-    "dynamic_slice": _dynamic_slice,
-    "concatenate": lambda params, *x: np.concatenate(x, params["dimension"]),
-    "stack": lambda params, *x: np.stack(x, params["axis"]),
-    "rev": lambda params, x: np.flip(x, params["dimensions"]),
-    "tile": lambda params, x: np.tile(x, params["reps"]),
-    "unstack": lambda params, x: list(np.moveaxis(x, params["axis"], 0)),
-    "split": lambda params, x: np.split(
-        x, np.cumsum(params["sizes"])[:-1], params["axis"]
-    ),
-}
-"""Operations that put values in other places; those that take an array apart give a
-list."""
 
 
 def _plain(name: str, integer: str | None = None, truth: str | None = None) -> Callable:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import llvmlite.binding as llvm
 
 from .compiler import Machine, compile_module
-from .lower_jaxpr import NoMachineCode
+from .graph import NoMachineCode
 
 LEVELS = {
     "x86-64-v4": "avx2 bmi bmi2 f16c fma lzcnt movbe "

@@ -13,6 +13,7 @@ from ..diagnostics.discrepancy import (
     Discrepancy,
     discrepancy_of_json,
     estimate_discrepancy,
+    finite_numbers,
     freedom_of_sum,
     scale_of,
 )
@@ -93,21 +94,23 @@ class FittedLaw(NamedTuple):
 
 
 def law_of_json(entry: dict) -> FittedLaw:
-    """Make a fit of the numbers of fit.json."""
+    """Make a fit of the numbers of fit.json. Raises InputError or ValueError where one
+    is missing."""
     # Older files have none of these, or one inflation of all targets.
     given = [freedom is None for freedom in entry[JSON_NAMES["freedom"]]]
     entry = {"discrepancy": None, "inflation": 1.0, "given": given} | entry
     fields = {name: entry[JSON_NAMES.get(name, name)] for name in FittedLaw._fields}
     for name in ("unknowns", "targets"):
         fields[name] = tuple(fields[name])
-    for name in ("values", "covariance", "sigma", "least_size", "freedom"):
-        fields[name] = np.array(fields[name], float)
+    for name in ("values", "covariance", "sigma", "inflation"):
+        fields[name] = finite_numbers(fields, name)
     for name in ("least_size", "freedom"):
         # What is infinite is None in the file.
-        fields[name] = np.nan_to_num(fields[name], nan=np.inf, posinf=np.inf)
+        numbers = np.array(fields[name], float)
+        fields[name] = np.nan_to_num(numbers, nan=np.inf, posinf=np.inf)
     fields["given"] = np.array(fields["given"], bool)
     count = len(fields["targets"])
-    fields["inflation"] = np.broadcast_to(np.array(fields["inflation"], float), count)
+    fields["inflation"] = np.broadcast_to(fields["inflation"], count)
     fields["discrepancy"] = discrepancy_of_json(fields["discrepancy"])
     return FittedLaw(**fields)
 

@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..._checks import real_number, whole_number
 from ...progress import within
 from ...quantities import NEVER_NEGATIVE
 from ..estimation.sigma import median_sigma, relative_sigma
@@ -158,15 +159,30 @@ def freedom_of_sum(sigma, of_sigma, apart, of_apart: float) -> np.ndarray:
 
 
 def discrepancy_of_json(entry: dict | None) -> Discrepancy | None:
-    """Make a discrepancy of the numbers of fit.json."""
+    """Make a discrepancy of the numbers of fit.json. Raises InputError or ValueError
+    where one is missing."""
     if entry is None:
         return None
     fields: dict[str, Any] = entry | {"groups": tuple(entry["groups"])}
-    for name in ("places", "scatter", "least_size"):
-        fields[name] = np.array(entry[name], float)
+    for name in ("factor", "freedom"):
+        fields[name] = real_number(f"{name} of the discrepancy", entry[name])
+    left_out = "left_out of the discrepancy"
+    fields["left_out"] = whole_number(left_out, entry["left_out"], 1)
+    for name in ("places", "scatter"):
+        fields[name] = finite_numbers(entry, name)
     # What is infinite is None in the file.
-    least = np.nan_to_num(fields["least_size"], nan=np.inf, posinf=np.inf)
-    return Discrepancy(**fields | {"least_size": least})
+    least = np.array(entry["least_size"], float)
+    fields["least_size"] = np.nan_to_num(least, nan=np.inf, posinf=np.inf)
+    return Discrepancy(**fields)
+
+
+def finite_numbers(entry: dict, name: str) -> np.ndarray:
+    """Return the numbers that stand under a name in fit.json, as an array. Raises
+    ValueError for null, which NumPy would take for NaN, and for others not finite."""
+    numbers = np.array(entry[name], float)
+    if not np.all(np.isfinite(numbers)):
+        raise ValueError(f"{name} is not finite")
+    return numbers
 
 
 def in_words(discrepancy: Discrepancy | None) -> str:

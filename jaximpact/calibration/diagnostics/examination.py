@@ -410,9 +410,14 @@ def _misfit(result: StudyResult, variant: VariantResult, place: int) -> _Misfit 
     sigma = float(np.median(variant.sigma[exact, place]))
     if variant.objective.study.proportional[place]:
         sigma = float(np.sqrt(np.mean(variant.sigma[exact, place] ** 2)))
-    least = LEAST_PART * float(np.sqrt(np.mean(measured**2)))
+    least = _least_error(measured)
     stated = bool(study.sigma_given[place])
     return _Misfit(rms, float(np.std(measured)), sigma, least, stated)
+
+
+def _least_error(measured: np.ndarray) -> float:
+    """Compute the error of measurements below which there is none."""
+    return LEAST_PART * float(np.sqrt(np.mean(measured**2)))
 
 
 def not_described(
@@ -468,7 +473,7 @@ def worse_than_mean(study: Study, left: LeftOut | None, place: int) -> list[str]
     measured = study.measured[exact, place]
     of_mean = float(np.std(measured)) * count / (count - 1.0)
     rms = float(np.sqrt(np.mean((predicted[exact] - measured) ** 2)))
-    if rms <= WORSE * of_mean:
+    if rms <= max(WORSE * of_mean, _least_error(measured)):
         return []
     return [
         f"The mean of the other tests predicts {name} of a test left out better than "

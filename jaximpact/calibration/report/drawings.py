@@ -20,6 +20,7 @@ from ...plotting.style import (
     panels,
     plain,
     points,
+    tick_name,
 )
 from ...quantities import TARGET_COLUMNS, InputColumn, columns_of
 from ..comparison.comparison import Compared
@@ -92,7 +93,7 @@ def draw_study(result: StudyResult, on: On = None) -> Figure:
     figure, axes = panels(rows, columns, height=3.0, title=title, count=count, on=on)
     for target, panel in enumerate(axes):
         _fitted(panel, result, target, result.variants)
-    legend_outside(figure, ncols=3)
+    legend_outside(figure, of=axes, ncols=3)
     return figure
 
 
@@ -146,7 +147,8 @@ def _fitted(
             order = np.argsort(x, kind="stable")
             axes.plot(x[order], fitted[order], **style)
             continue
-        axes.errorbar(x[exact], fitted[exact], xerr=sigma, ls="none", **style)
+        if np.any(exact):
+            axes.errorbar(x[exact], fitted[exact], xerr=sigma, ls="none", **style)
         style |= dict(mfc="white", ls="none", label=f"{name}, limit")
         if np.any(limits):
             axes.plot(x[limits], fitted[limits], **style)
@@ -221,7 +223,7 @@ def _about_zero(
         style: dict[str, Any] = dict(linestyle="none", markersize=5, label=name)
         axes.plot(along[:, target], values[:, target], **style, **points(target))
     if len(study.targets) > 1:
-        legend_outside(figure, ncols=3)
+        legend_outside(figure, of=[axes], ncols=3)
     return figure, axes
 
 
@@ -244,9 +246,6 @@ def draw_profile(
 ) -> Figure:
     """Draw the likelihood ratio where a parameter is fixed, the 95 % interval and, if
     it is identifiable, the parabola of its standard error."""
-    # Which only reports need: it takes its time to import.
-    from scipy.interpolate import PchipInterpolator
-
     figure, axes = _panel(on)
     index = variant.names.index(profile.name)
     uncertainty = variant.uncertainty
@@ -264,12 +263,11 @@ def draw_profile(
     right = float(bounds.upper) if ends[1] is None else ends[1]
     low, high = min(low, left), max(high, right)
     axes.axvspan(left, right, color=GREY, alpha=0.15, lw=0)
-    # The signed root is nearly straight, so that its interpolation is smooth.
-    side = np.sign(np.arange(len(along)) - np.argmin(profile.rise))
-    root = PchipInterpolator(along, side * np.sqrt(np.maximum(profile.rise, 0.0)))
     fine = np.linspace(max(bounds.coordinate(low), along[0]), along[-1], 300)
     fine = fine[fine <= bounds.coordinate(high)]
-    axes.plot(bounds.parameter(fine), root(fine) ** 2, color=BLUE)
+    # As the ends of the intervals are, so that the curve is at their level there.
+    root = np.interp(fine, along, np.sqrt(np.maximum(profile.rise, 0.0)))
+    axes.plot(bounds.parameter(fine), root**2, color=BLUE)
     style: dict[str, Any] = dict(color=BLUE, marker="o", markersize=4, linestyle="none")
     axes.plot(profile.values, profile.rise, label="others fitted again", **style)
     if variant.verdicts[index].determined:
@@ -347,9 +345,9 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
     study = result.study
     values = left.standardised(study.measured)
     values = np.where(study.censored == 0, values, np.nan)
-    names = [plain(study.tests.name(test)) for test in range(len(values))]
+    names = study.tests.names_apart()
     rows = np.array([study.tests.place(test)[1] for test in range(len(values))])
-    by_row = names == [f"row {row}" for row in rows]
+    by_row = list(names) == [f"row {row}" for row in rows]
     number = rows if by_row else np.arange(len(values))
     along = np.broadcast_to(number[:, None], values.shape)
     figure, axes = _about_zero(study, along, values, left.quantile)
@@ -357,7 +355,8 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
         axes.set_xlabel(f"row of {plain(study.tests.files[0].path.name)}")
     else:
         step = -(-len(names) // MOST_NAMED)
-        axes.set_xticks(number[::step], names[::step], rotation=45, ha="right")
+        shown = [tick_name(name) for name in names[::step]]
+        axes.set_xticks(number[::step], shown, rotation=45, ha="right")
     axes.set_ylabel("measured less predicted\n[standard deviations]")
     return figure
 
@@ -425,11 +424,11 @@ def draw_predictions(
         measured = prediction.measured[:, target]
         _measured(panel, tests, measured, prediction.censored[:, target])
         if len(tests) <= 12:
-            names = [plain(prediction.tests.name(test - 1)) for test in tests]
+            names = [tick_name(name) for name in prediction.tests.names_apart()]
             panel.set_xticks(tests, names, rotation=45, ha="right")
         else:
             panel.set_xlabel("test")
         panel.set_xlim(0.5, len(tests) + 0.5)
         panel.set_ylabel(label_of(name))
-    legend_outside(figure, ncols=4)
+    legend_outside(figure, of=axes, ncols=4)
     return figure

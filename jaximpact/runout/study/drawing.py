@@ -67,9 +67,7 @@ def draw_trajectories(
         line = axes.axvline(x, color=GREY, ls="--", lw=1.0, label="collector")
     handles += [line] if len(collectors) else []
     handles += grounds
-    # Some 95 characters fit side by side into a legend.
-    longest = max(len(str(handle.get_label())) for handle in handles)
-    legend_outside(figure, handles, ncols=max(1, min(4, 95 // (longest + 6))))
+    legend_outside(figure, handles, ncols=4)
     return figure
 
 
@@ -111,6 +109,8 @@ def draw_stops(dataset: xr.Dataset) -> Figure:
         ends = places.min(), max(places.max(), places.min() + 1e-3)
         bins = min(60, max(10, len(places) // 20))
         axes.hist(places, bins=bins, range=ends, color=BLUE)
+        # Of stops within centimetres 0.01 would stand here, and +181.3 in a corner.
+        axes.ticklabel_format(axis="x", style="plain", useOffset=False)
         for percentile, colour in ((50, ORANGE), (95, VERMILION)):
             x = np.percentile(places, percentile)
             label = f"{percentile} % of them by {place_text(x)} m"

@@ -144,11 +144,11 @@ def collector_table(dataset: xr.Dataset) -> Table:
     for place, x in enumerate(dataset.collector.values.tolist()):
         passing = int(dataset.blocks_passing.values[place])
         for name in QUANTITIES:
-            cells, ends = _percentile_cells(dataset, name, place)
+            cells, ends = _percentiles_with_ends(dataset, name, place)
             others: list = [None] * 3 * len(PERCENTILES)
             apart: list = [None] * len(PERCENTILES)
             if second is not None:
-                others, other_ends = _percentile_cells(second[1], name, place)
+                others, other_ends = _percentiles_with_ends(second[1], name, place)
                 pairs = zip(ends, other_ends, strict=True)
                 apart = [DIFFERS if is_apart(*pair) else "" for pair in pairs]
             about = (x, passing, name.removeprefix("passage_"))
@@ -156,7 +156,7 @@ def collector_table(dataset: xr.Dataset) -> Table:
     return Table(COLLECTOR_COLUMNS, rows)
 
 
-def _percentile_cells(
+def _percentiles_with_ends(
     dataset: xr.Dataset, name: str, place: int
 ) -> tuple[list[float], list[tuple[float, float]]]:
     """Give the values of percentiles with the ends behind them, and the ends alone."""
