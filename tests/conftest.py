@@ -1,7 +1,9 @@
-"""Settings of all tests: double precision, no programs kept from run to run, and
-property tests that repeat exactly; and a directory for tests of commands."""
+"""Settings of all tests: double precision, no programs kept from run to run, garbage
+that is collected seldom, and property tests that repeat exactly; and a directory for
+tests of commands."""
 
 import functools
+import gc
 import os
 import tempfile
 
@@ -21,6 +23,10 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
     _CACHE = tempfile.TemporaryDirectory(prefix="jaximpact-tests-")
     os.environ["XDG_CACHE_HOME"] = _CACHE.name
 keep_programs()
+
+# Programs that are traced and kept are millions of objects, through which Python's
+# collector would go again and again: a twentieth of the time for next to no memory.
+gc.set_threshold(50_000, 10, 20)
 
 # The first example of a property compiles, which no deadline allows for; a seed of its
 # own each run would make failures come and go.

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import subprocess
 import sys
 
@@ -51,11 +52,22 @@ angle_deg = 40
 """
 
 
-@pytest.fixture
-def laws(folder):
-    """A working directory with a law and a shape of the user's."""
+@pytest.fixture(scope="module")
+def folder_of_laws(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("laws")
     write_laws(folder)
     return folder
+
+
+@pytest.fixture
+def laws(folder_of_laws, monkeypatch):
+    """A working directory with a law and a shape of the user's, and nothing else. They
+    are the same for all tests, so that each is compiled once."""
+    monkeypatch.chdir(folder_of_laws)
+    before = {*folder_of_laws.iterdir()}
+    yield folder_of_laws
+    for path in {*folder_of_laws.iterdir()} - before:
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
 @pytest.fixture

@@ -144,7 +144,8 @@ sys.exit(main(["batch", "scenes.csv", "--out", "results.csv"]))
 
 
 def batch_on_windows_on_arm(folder, **variables):
-    (folder / "scenes.csv").write_text(SCENES)
+    """Of vertical drops, whose model XLA compiles fastest."""
+    (folder / "scenes.csv").write_text("mass_kg,speed_mps\n100,6\n500,15\n50,25\n")
     return subprocess.run(
         [sys.executable, "-c", WINDOWS_ON_ARM],
         cwd=folder,
@@ -167,7 +168,7 @@ def test_a_computer_without_machine_code_computes_by_xla_and_says_so_once(tmp_pa
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("none is made for aarch64 under Windows") == 1
     assert [row["outcome"] for row in rows_of(tmp_path / "results.csv")] == (
-        ["detached"] * 4
+        ["detached"] * 3
     )
 
 

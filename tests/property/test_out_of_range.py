@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate
+from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.errors import InputError
 from jaximpact.laws import AbstractSlider, Coulomb
 from jaximpact.parameters import parameter
@@ -78,7 +79,7 @@ def test_every_range_is_held_by_machine_code():
 def test_ranges_are_held_by_diffrax():
     """Of vertical drops, whose model XLA compiles fastest."""
 
-    @jax.jit
+    @unfused_jit
     def found(c_v, friction_angle):
         soil = Soil(c_v=c_v, friction_angle=friction_angle)
         result = simulate(Block(), soil, Impact(), engine="diffrax", ledger=False)

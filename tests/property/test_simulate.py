@@ -132,7 +132,10 @@ def batch(request):
     scenes = mixed_scenes(at_once + 123)
     seen = []
     result = simulate_batch(
-        scenes, accuracy="fast", progress=lambda done, of: seen.append((done, of))
+        scenes,
+        accuracy="fast",
+        ledger=True,
+        progress=lambda done, of: seen.append((done, of)),
     )
     yield scenes, result, seen
     patch.undo()
@@ -151,7 +154,7 @@ def test_every_scene_has_its_result(batch):
 def test_order_changes_nothing(batch):
     scenes, result, _ = batch
     places = np.random.default_rng(1).permutation(len(result.e_n))
-    other = simulate_batch(chosen(scenes, places), accuracy="fast")
+    other = simulate_batch(chosen(scenes, places), accuracy="fast", ledger=True)
     for name in ("e_n", "e_bar", "max_moment", "duration", "steps", "outcome_code"):
         # To the last bit: a lane's arithmetic does not depend on its neighbours.
         np.testing.assert_array_equal(
@@ -168,6 +171,31 @@ def test_as_one_by_one(batch):
         # Rounding differs, and with it the steps at the onset: equal to the error of
         # "fast", whose largest in e_n is some 1e-4.
         assert float(alone.e_bar) == pytest.approx(result.e_bar[place], abs=5e-4)
+
+
+@pytest.mark.xla
+def test_impacts_as_by_xla(monkeypatch):
+    """In as many lanes as the batches above: by the same program of XLA."""
+    scenes = chosen(mixed_scenes(40, seed=3), np.arange(LANES_OF_XLA) % 40)
+    on_cpu = "jaximpact.backend.kernel_choice.computes_on_cpu"
+    monkeypatch.setattr(on_cpu, lambda: True)
+    mine = simulate_batch(scenes, accuracy="reference", ledger=True)
+    monkeypatch.setattr(on_cpu, lambda: False)
+    timing = {}
+    theirs = simulate_batch(scenes, accuracy="reference", ledger=True, timing=timing)
+    assert timing["engine"] == "XLA"
+    np.testing.assert_array_equal(mine.outcome_code, theirs.outcome_code)
+    # Rounding changes the steps at the onset, and results by less than the error of
+    # "reference", 1e-7; the median is left with rounding.
+    for name in ("e_n", "e_t", "e_bar", "rotation"):
+        difference = np.abs(getattr(mine, name) - getattr(theirs, name))
+        assert np.nanmax(difference) < 1e-7
+        assert np.nanmedian(difference) < 1e-11
+    for found, expected in zip(
+        jax.tree.leaves(mine.energy), jax.tree.leaves(theirs.energy), strict=True
+    ):
+        scale = np.nanmax(np.abs(expected))
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9 * scale)
 
 
 def test_no_scenes_are_refused():

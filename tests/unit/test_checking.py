@@ -50,6 +50,10 @@ def test_the_packages_own_shapes_pass_as_users(kind):
     )
     # Of a class derived from one that declares the ratios they are declared too.
     check_part("shape", mine(aspect_ratio=1.5))
+
+
+@pytest.mark.slow
+def test_a_shape_that_declares_its_ratios_passes():
     check_part("shape", changed())
 
 

@@ -12,6 +12,7 @@ from scipy.integrate import simpson
 
 from jaximpact import Block, Impact, Scene, Soil, simulate
 from jaximpact.backend import kernel_choice
+from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.errors import InputError
 from jaximpact.impact.problem import assemble, pose
 from jaximpact.impact.results import empty_history
@@ -278,7 +279,7 @@ def test_as_diffrax_interpolates_the_same_steps():
     times = np.linspace(0.0, steps[-1], 50)[:-1]
     problem, vector = pose(VERTICAL, assemble(VERTICAL), 1e-5, 1e-5)
 
-    @jax.jit
+    @unfused_jit
     def course(vector):
         return diffrax.diffeqsolve(
             diffrax.ODETerm(lambda t, y, _: jnp.stack(problem.rates(list(y)))),
