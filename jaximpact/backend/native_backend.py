@@ -154,7 +154,7 @@ def _telling_how_long(mode: Mode, of_user: bool) -> Iterator[None]:
         what, low, high = {
             Mode.VALUES: ("values", 2, 4),
             Mode.FORWARD: ("derivatives", 3, 6),
-            Mode.REVERSE: ("gradients", 8, 16),
+            Mode.REVERSE: ("gradients", 6, 12),
         }[mode]
         low = low // 2 if of_user else low
         with showing(None, delay=0.0):

@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from jaximpact.backend.native_backend import _telling_how_long
+from jaximpact.backend.simd import Mode
 from jaximpact.progress import reporting_to, tell, within
 from jaximpact.progress_lines import say, showing
 
@@ -27,19 +28,19 @@ def test_who_waits_for_the_compiler_is_told_so_once(capsys):
     """On stderr where nobody listens, also of kernels that are compiled at once; to the
     listener where there is one; to nobody where silence was asked for."""
     line = "compiling machine code for derivatives, once: 3 to 6 s on two idle cores"
-    with _telling_how_long(True, False), _telling_how_long(False, False):
+    with _telling_how_long(Mode.FORWARD, False), _telling_how_long(Mode.VALUES, False):
         pass
     assert capsys.readouterr().err == f"{line}\n"
     told = []
-    with reporting_to(told.append), _telling_how_long(False, True):
+    with reporting_to(told.append), _telling_how_long(Mode.VALUES, True):
         pass
     assert told == [line.replace("derivatives", "values").replace("3 to 6", "1 to 4")]
-    with showing(False), _telling_how_long(True, False):
+    with showing(False), _telling_how_long(Mode.FORWARD, False):
         pass
-    with pytest.raises(ZeroDivisionError), _telling_how_long(True, False):
+    with pytest.raises(ZeroDivisionError), _telling_how_long(Mode.FORWARD, False):
         1 / 0  # noqa: B018
     # What failed tells the next one.
-    with _telling_how_long(True, False):
+    with _telling_how_long(Mode.FORWARD, False):
         pass
     assert capsys.readouterr().err == 2 * f"{line}\n"
 

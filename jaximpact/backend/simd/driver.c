@@ -332,9 +332,12 @@ static int keep(const Program *program, const double *work, Way *way, int column
 {
     if (way->steps == way->room) {
         int64_t room = way->room ? 2 * way->room : 64;
-        double *rows = realloc(way->rows, sizeof(double) * program->kept * room);
+        double *rows = malloc(sizeof(double) * program->kept * room);
         if (!rows)
             return 0;
+        for (int64_t k = 0; k < program->kept * way->steps; k++)
+            rows[k] = way->rows[k];
+        free(way->rows);
         way->rows = rows;
         way->room = room;
     }

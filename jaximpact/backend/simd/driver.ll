@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 80606e23efd8670a5b1e255c07cbe77bcfcdbd32de7086a7c3a78edd4dda0027
+; Made from driver.c by 'make driver'; sha256 53231f9c03309006dd5ed832940d791fe59b78d8ce271205f92e51608a3a9657
 
 %struct.Operation = type { i64, [32 x %struct.Program], [32 x i64], ptr, ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double], ptr, ptr, ptr, ptr, i64, i64 }
@@ -1207,7 +1207,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 22:
   %23 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
   store i32 1, ptr %23, align 8
-  br label %651
+  br label %663
 
 24:
   %25 = tail call i64 @enter_float_mode()
@@ -1238,16 +1238,16 @@ define internal ptr @work(ptr nocapture noundef %0) {
   tail call void @leave_float_mode(i64 noundef %25)
   tail call void @free(ptr noundef %12)
   call void @llvm.lifetime.end.p0(i64 328, ptr nonnull %3)
-  br label %651
+  br label %663
 
 43:
-  %44 = phi i64 [ 0, %33 ], [ %648, %647 ]
+  %44 = phi i64 [ 0, %33 ], [ %660, %659 ]
   %45 = getelementptr inbounds %struct.Operation, ptr %4, i64 0, i32 1, i64 %44, i32 19
   %46 = load ptr, ptr %45, align 8
   %47 = icmp eq ptr %46, null
   %48 = load ptr, ptr %0, align 8
   %49 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44
-  br i1 %47, label %326, label %50
+  br i1 %47, label %338, label %50
 
 50:
   call void @llvm.lifetime.start.p0(i64 192, ptr nonnull %2)
@@ -1279,7 +1279,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 71:
   %72 = phi i8 [ %77, %90 ], [ %67, %65 ]
   %73 = icmp eq i8 %72, 0
-  br i1 %73, label %318, label %96
+  br i1 %73, label %330, label %96
 
 74:
   %75 = shl nuw i32 1, %68
@@ -1311,8 +1311,8 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br i1 %92, label %71, label %93
 
 93:
-  %94 = phi i64 [ %91, %90 ], [ 0, %315 ]
-  %95 = phi i8 [ %77, %90 ], [ 0, %315 ]
+  %94 = phi i64 [ %91, %90 ], [ 0, %327 ]
+  %95 = phi i8 [ %77, %90 ], [ 0, %327 ]
   br label %65
 
 96:
@@ -1323,8 +1323,8 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br label %101
 
 101:
-  %102 = phi i8 [ %72, %96 ], [ %238, %236 ]
-  %103 = phi i8 [ %72, %96 ], [ %237, %236 ]
+  %102 = phi i8 [ %72, %96 ], [ %250, %248 ]
+  %103 = phi i8 [ %72, %96 ], [ %249, %248 ]
   %104 = icmp eq i8 %102, 0
   br i1 %104, label %108, label %105
 
@@ -1338,12 +1338,12 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br label %110
 
 110:
-  %111 = phi i64 [ 0, %108 ], [ %155, %154 ]
+  %111 = phi i64 [ 0, %108 ], [ %167, %166 ]
   %112 = trunc i64 %111 to i32
   %113 = shl nuw i32 1, %112
   %114 = and i32 %113, %109
   %115 = icmp eq i32 %114, 0
-  br i1 %115, label %154, label %116
+  br i1 %115, label %166, label %116
 
 116:
   %117 = getelementptr inbounds %struct.Way, ptr %2, i64 %111
@@ -1352,747 +1352,767 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %120 = getelementptr inbounds %struct.Way, ptr %2, i64 %111, i32 2
   %121 = load i64, ptr %120, align 8
   %122 = icmp eq i64 %119, %121
-  br i1 %122, label %123, label %134
+  br i1 %122, label %123, label %146
 
 123:
   %124 = icmp eq i64 %121, 0
   %125 = shl nsw i64 %121, 1
   %126 = select i1 %124, i64 64, i64 %125
-  %127 = load ptr, ptr %117, align 8
-  %128 = load i64, ptr %53, align 8
-  %129 = shl i64 %126, 3
-  %130 = mul i64 %129, %128
-  %131 = tail call ptr @realloc(ptr noundef %127, i64 noundef %130)
-  %132 = icmp eq ptr %131, null
-  br i1 %132, label %240, label %133
+  %127 = load i64, ptr %53, align 8
+  %128 = shl i64 %126, 3
+  %129 = mul i64 %128, %127
+  %130 = tail call noalias ptr @malloc(i64 noundef %129)
+  %131 = icmp eq ptr %130, null
+  br i1 %131, label %252, label %132
 
-133:
-  store ptr %131, ptr %117, align 8
+132:
+  %133 = mul nsw i64 %127, %119
+  %134 = icmp sgt i64 %133, 0
+  br i1 %134, label %135, label %137
+
+135:
+  %136 = load ptr, ptr %117, align 8
+  br label %139
+
+137:
+  %138 = load ptr, ptr %117, align 8
+  tail call void @free(ptr noundef %138)
+  store ptr %130, ptr %117, align 8
   store i64 %126, ptr %120, align 8
-  br label %134
+  br label %146
 
-134:
-  %135 = load ptr, ptr %117, align 8
-  %136 = load i64, ptr %53, align 8
-  %137 = load i64, ptr %118, align 8
-  %138 = mul nsw i64 %137, %136
-  %139 = getelementptr inbounds double, ptr %135, i64 %138
-  %140 = icmp sgt i64 %136, 0
-  br i1 %140, label %141, label %154
+139:
+  %140 = phi i64 [ 0, %135 ], [ %144, %139 ]
+  %141 = getelementptr inbounds double, ptr %136, i64 %140
+  %142 = load double, ptr %141, align 8
+  %143 = getelementptr inbounds double, ptr %130, i64 %140
+  store double %142, ptr %143, align 8
+  %144 = add nuw nsw i64 %140, 1
+  %145 = icmp eq i64 %144, %133
+  br i1 %145, label %137, label %139
 
-141:
-  %142 = phi i64 [ %151, %141 ], [ 0, %134 ]
-  %143 = load ptr, ptr %54, align 8
-  %144 = getelementptr inbounds i64, ptr %143, i64 %142
-  %145 = load i64, ptr %144, align 8
-  %146 = shl nsw i64 %145, 3
-  %147 = add nsw i64 %146, %111
-  %148 = getelementptr inbounds double, ptr %97, i64 %147
-  %149 = load double, ptr %148, align 8
-  %150 = getelementptr inbounds double, ptr %139, i64 %142
-  store double %149, ptr %150, align 8
-  %151 = add nuw nsw i64 %142, 1
-  %152 = load i64, ptr %53, align 8
-  %153 = icmp slt i64 %151, %152
-  br i1 %153, label %141, label %154
+146:
+  %147 = load ptr, ptr %117, align 8
+  %148 = load i64, ptr %53, align 8
+  %149 = load i64, ptr %118, align 8
+  %150 = mul nsw i64 %149, %148
+  %151 = getelementptr inbounds double, ptr %147, i64 %150
+  %152 = icmp sgt i64 %148, 0
+  br i1 %152, label %153, label %166
 
-154:
-  %155 = add nuw nsw i64 %111, 1
-  %156 = icmp eq i64 %155, 8
-  br i1 %156, label %157, label %110
+153:
+  %154 = phi i64 [ %163, %153 ], [ 0, %146 ]
+  %155 = load ptr, ptr %54, align 8
+  %156 = getelementptr inbounds i64, ptr %155, i64 %154
+  %157 = load i64, ptr %156, align 8
+  %158 = shl nsw i64 %157, 3
+  %159 = add nsw i64 %158, %111
+  %160 = getelementptr inbounds double, ptr %97, i64 %159
+  %161 = load double, ptr %160, align 8
+  %162 = getelementptr inbounds double, ptr %151, i64 %154
+  store double %161, ptr %162, align 8
+  %163 = add nuw nsw i64 %154, 1
+  %164 = load i64, ptr %53, align 8
+  %165 = icmp slt i64 %163, %164
+  br i1 %165, label %153, label %166
 
-157:
-  %158 = load ptr, ptr %55, align 8
-  %159 = tail call zeroext i8 %158(ptr noundef %97, i8 noundef zeroext %103, i64 noundef 0)
-  br label %164
+166:
+  %167 = add nuw nsw i64 %111, 1
+  %168 = icmp eq i64 %167, 8
+  br i1 %168, label %169, label %110
 
-160:
-  %161 = xor i8 %159, -1
-  %162 = and i8 %103, %161
-  %163 = icmp eq i8 %162, 0
-  br i1 %163, label %236, label %178
+169:
+  %170 = load ptr, ptr %55, align 8
+  %171 = tail call zeroext i8 %170(ptr noundef %97, i8 noundef zeroext %103, i64 noundef 0)
+  br label %176
 
-164:
-  %165 = phi i64 [ 0, %157 ], [ %176, %175 ]
-  %166 = trunc i64 %165 to i32
-  %167 = shl nuw i32 1, %166
-  %168 = and i32 %167, %109
-  %169 = icmp eq i32 %168, 0
-  br i1 %169, label %175, label %170
+172:
+  %173 = xor i8 %171, -1
+  %174 = and i8 %103, %173
+  %175 = icmp eq i8 %174, 0
+  br i1 %175, label %248, label %190
 
-170:
-  %171 = getelementptr inbounds double, ptr %100, i64 %165
-  %172 = load double, ptr %171, align 8
-  %173 = fptosi double %172 to i64
-  %174 = getelementptr inbounds %struct.Way, ptr %2, i64 %165, i32 1
-  store i64 %173, ptr %174, align 8
-  br label %175
-
-175:
-  %176 = add nuw nsw i64 %165, 1
-  %177 = icmp eq i64 %176, 8
-  br i1 %177, label %160, label %164
-
-178:
-  %179 = load ptr, ptr %56, align 8
-  %180 = tail call zeroext i8 %179(ptr noundef %97, i8 noundef zeroext %162, i64 noundef 0)
-  %181 = zext i8 %162 to i32
-  br label %186
+176:
+  %177 = phi i64 [ 0, %169 ], [ %188, %187 ]
+  %178 = trunc i64 %177 to i32
+  %179 = shl nuw i32 1, %178
+  %180 = and i32 %179, %109
+  %181 = icmp eq i32 %180, 0
+  br i1 %181, label %187, label %182
 
 182:
-  %183 = xor i8 %162, -1
-  %184 = or i8 %233, %183
-  %185 = and i8 %184, %103
-  br label %236
+  %183 = getelementptr inbounds double, ptr %100, i64 %177
+  %184 = load double, ptr %183, align 8
+  %185 = fptosi double %184 to i64
+  %186 = getelementptr inbounds %struct.Way, ptr %2, i64 %177, i32 1
+  store i64 %185, ptr %186, align 8
+  br label %187
 
-186:
-  %187 = phi i64 [ 0, %178 ], [ %234, %232 ]
-  %188 = phi i8 [ 0, %178 ], [ %233, %232 ]
-  %189 = trunc i64 %187 to i32
-  %190 = shl nuw i32 1, %189
-  %191 = and i32 %190, %181
-  %192 = icmp eq i32 %191, 0
-  br i1 %192, label %232, label %193
+187:
+  %188 = add nuw nsw i64 %177, 1
+  %189 = icmp eq i64 %188, 8
+  br i1 %189, label %172, label %176
 
-193:
-  %194 = load i64, ptr %51, align 8
-  %195 = icmp slt i64 %194, 0
-  br i1 %195, label %232, label %196
+190:
+  %191 = load ptr, ptr %56, align 8
+  %192 = tail call zeroext i8 %191(ptr noundef %97, i8 noundef zeroext %174, i64 noundef 0)
+  %193 = zext i8 %174 to i32
+  br label %198
 
-196:
-  %197 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %187
-  %198 = load i64, ptr %197, align 8
-  %199 = icmp eq i64 %198, 7
-  br i1 %199, label %232, label %200
+194:
+  %195 = xor i8 %174, -1
+  %196 = or i8 %245, %195
+  %197 = and i8 %196, %103
+  br label %248
 
-200:
-  %201 = load i64, ptr %57, align 8
-  %202 = shl nsw i64 %201, 3
-  %203 = getelementptr inbounds double, ptr %97, i64 %202
-  %204 = getelementptr inbounds double, ptr %203, i64 %187
-  %205 = load i64, ptr %58, align 8
-  %206 = shl nsw i64 %205, 3
-  %207 = getelementptr inbounds double, ptr %204, i64 %206
-  %208 = load double, ptr %207, align 8
-  %209 = load double, ptr %59, align 8
-  %210 = fcmp une double %208, %209
-  br i1 %210, label %232, label %211
+198:
+  %199 = phi i64 [ 0, %190 ], [ %246, %244 ]
+  %200 = phi i8 [ 0, %190 ], [ %245, %244 ]
+  %201 = trunc i64 %199 to i32
+  %202 = shl nuw i32 1, %201
+  %203 = and i32 %202, %193
+  %204 = icmp eq i32 %203, 0
+  br i1 %204, label %244, label %205
 
-211:
-  %212 = load i64, ptr %60, align 8
-  %213 = shl nsw i64 %212, 3
-  %214 = getelementptr inbounds double, ptr %204, i64 %213
-  %215 = load double, ptr %214, align 8
-  %216 = load double, ptr %61, align 8
-  %217 = fcmp ult double %215, %216
-  br i1 %217, label %218, label %232
+205:
+  %206 = load i64, ptr %51, align 8
+  %207 = icmp slt i64 %206, 0
+  br i1 %207, label %244, label %208
 
-218:
-  %219 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %187
+208:
+  %209 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %199
+  %210 = load i64, ptr %209, align 8
+  %211 = icmp eq i64 %210, 7
+  br i1 %211, label %244, label %212
+
+212:
+  %213 = load i64, ptr %57, align 8
+  %214 = shl nsw i64 %213, 3
+  %215 = getelementptr inbounds double, ptr %97, i64 %214
+  %216 = getelementptr inbounds double, ptr %215, i64 %199
+  %217 = load i64, ptr %58, align 8
+  %218 = shl nsw i64 %217, 3
+  %219 = getelementptr inbounds double, ptr %216, i64 %218
   %220 = load double, ptr %219, align 8
-  %221 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %198
-  %222 = load double, ptr %221, align 8
-  %223 = fmul double %220, %222
-  %224 = shl nsw i64 %194, 3
-  %225 = add nsw i64 %224, %187
-  %226 = getelementptr inbounds double, ptr %97, i64 %225
-  store double %223, ptr %226, align 8
-  %227 = add nsw i64 %198, 1
-  store i64 %227, ptr %197, align 8
-  %228 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %187
-  store i64 0, ptr %228, align 8
-  %229 = trunc i32 %190 to i8
-  %230 = or i8 %188, %229
-  %231 = getelementptr inbounds %struct.Way, ptr %2, i64 %187, i32 1
-  store i64 0, ptr %231, align 8
-  br label %232
+  %221 = load double, ptr %59, align 8
+  %222 = fcmp une double %220, %221
+  br i1 %222, label %244, label %223
 
-232:
-  %233 = phi i8 [ %230, %218 ], [ %188, %186 ], [ %188, %211 ], [ %188, %200 ], [ %188, %196 ], [ %188, %193 ]
-  %234 = add nuw nsw i64 %187, 1
-  %235 = icmp eq i64 %234, 8
-  br i1 %235, label %182, label %186
+223:
+  %224 = load i64, ptr %60, align 8
+  %225 = shl nsw i64 %224, 3
+  %226 = getelementptr inbounds double, ptr %216, i64 %225
+  %227 = load double, ptr %226, align 8
+  %228 = load double, ptr %61, align 8
+  %229 = fcmp ult double %227, %228
+  br i1 %229, label %230, label %244
 
-236:
-  %237 = phi i8 [ %185, %182 ], [ %103, %160 ]
-  %238 = phi i8 [ %233, %182 ], [ 0, %160 ]
-  %239 = icmp eq i8 %237, 0
-  br i1 %239, label %241, label %101
+230:
+  %231 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %199
+  %232 = load double, ptr %231, align 8
+  %233 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %210
+  %234 = load double, ptr %233, align 8
+  %235 = fmul double %232, %234
+  %236 = shl nsw i64 %206, 3
+  %237 = add nsw i64 %236, %199
+  %238 = getelementptr inbounds double, ptr %97, i64 %237
+  store double %235, ptr %238, align 8
+  %239 = add nsw i64 %210, 1
+  store i64 %239, ptr %209, align 8
+  %240 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %199
+  store i64 0, ptr %240, align 8
+  %241 = trunc i32 %202 to i8
+  %242 = or i8 %200, %241
+  %243 = getelementptr inbounds %struct.Way, ptr %2, i64 %199, i32 1
+  store i64 0, ptr %243, align 8
+  br label %244
 
-240:
+244:
+  %245 = phi i8 [ %242, %230 ], [ %200, %198 ], [ %200, %223 ], [ %200, %212 ], [ %200, %208 ], [ %200, %205 ]
+  %246 = add nuw nsw i64 %199, 1
+  %247 = icmp eq i64 %246, 8
+  br i1 %247, label %194, label %198
+
+248:
+  %249 = phi i8 [ %197, %194 ], [ %103, %172 ]
+  %250 = phi i8 [ %245, %194 ], [ 0, %172 ]
+  %251 = icmp eq i8 %249, 0
+  br i1 %251, label %253, label %101
+
+252:
   store i32 1, ptr %34, align 8
-  br label %318
+  br label %330
 
-241:
-  %242 = load ptr, ptr %62, align 8
-  %243 = tail call zeroext i8 %242(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
-  %244 = zext i8 %72 to i32
-  br label %247
+253:
+  %254 = load ptr, ptr %62, align 8
+  %255 = tail call zeroext i8 %254(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
+  %256 = zext i8 %72 to i32
+  br label %259
 
-245:
-  %246 = icmp sgt i64 %259, 0
-  br i1 %246, label %262, label %306
+257:
+  %258 = icmp sgt i64 %271, 0
+  br i1 %258, label %274, label %318
 
-247:
-  %248 = phi i64 [ 0, %241 ], [ %260, %258 ]
-  %249 = phi i64 [ 0, %241 ], [ %259, %258 ]
-  %250 = trunc i64 %248 to i32
-  %251 = shl nuw i32 1, %250
-  %252 = and i32 %251, %244
-  %253 = icmp eq i32 %252, 0
-  br i1 %253, label %258, label %254
+259:
+  %260 = phi i64 [ 0, %253 ], [ %272, %270 ]
+  %261 = phi i64 [ 0, %253 ], [ %271, %270 ]
+  %262 = trunc i64 %260 to i32
+  %263 = shl nuw i32 1, %262
+  %264 = and i32 %263, %256
+  %265 = icmp eq i32 %264, 0
+  br i1 %265, label %270, label %266
 
-254:
-  %255 = getelementptr inbounds %struct.Way, ptr %2, i64 %248, i32 1
-  %256 = load i64, ptr %255, align 8
-  %257 = tail call i64 @llvm.smax.i64(i64 %256, i64 %249)
-  br label %258
+266:
+  %267 = getelementptr inbounds %struct.Way, ptr %2, i64 %260, i32 1
+  %268 = load i64, ptr %267, align 8
+  %269 = tail call i64 @llvm.smax.i64(i64 %268, i64 %261)
+  br label %270
 
-258:
-  %259 = phi i64 [ %249, %247 ], [ %257, %254 ]
-  %260 = add nuw nsw i64 %248, 1
-  %261 = icmp eq i64 %260, 8
-  br i1 %261, label %245, label %247
+270:
+  %271 = phi i64 [ %261, %259 ], [ %269, %266 ]
+  %272 = add nuw nsw i64 %260, 1
+  %273 = icmp eq i64 %272, 8
+  br i1 %273, label %257, label %259
 
-262:
-  %263 = phi i64 [ %264, %265 ], [ %259, %245 ]
-  %264 = add nsw i64 %263, -1
-  br label %269
+274:
+  %275 = phi i64 [ %276, %277 ], [ %271, %257 ]
+  %276 = add nsw i64 %275, -1
+  br label %281
 
-265:
-  %266 = load ptr, ptr %63, align 8
-  %267 = tail call zeroext i8 %266(ptr noundef %97, i8 noundef zeroext %303, i64 noundef 0)
-  %268 = icmp sgt i64 %263, 1
-  br i1 %268, label %262, label %306
+277:
+  %278 = load ptr, ptr %63, align 8
+  %279 = tail call zeroext i8 %278(ptr noundef %97, i8 noundef zeroext %315, i64 noundef 0)
+  %280 = icmp sgt i64 %275, 1
+  br i1 %280, label %274, label %318
 
-269:
-  %270 = phi i64 [ 0, %262 ], [ %304, %302 ]
-  %271 = phi i8 [ 0, %262 ], [ %303, %302 ]
-  %272 = trunc i64 %270 to i32
-  %273 = shl nuw i32 1, %272
-  %274 = and i32 %273, %244
-  %275 = icmp eq i32 %274, 0
-  br i1 %275, label %302, label %276
+281:
+  %282 = phi i64 [ 0, %274 ], [ %316, %314 ]
+  %283 = phi i8 [ 0, %274 ], [ %315, %314 ]
+  %284 = trunc i64 %282 to i32
+  %285 = shl nuw i32 1, %284
+  %286 = and i32 %285, %256
+  %287 = icmp eq i32 %286, 0
+  br i1 %287, label %314, label %288
 
-276:
-  %277 = getelementptr inbounds %struct.Way, ptr %2, i64 %270, i32 1
-  %278 = load i64, ptr %277, align 8
-  %279 = icmp sgt i64 %263, %278
-  br i1 %279, label %302, label %280
+288:
+  %289 = getelementptr inbounds %struct.Way, ptr %2, i64 %282, i32 1
+  %290 = load i64, ptr %289, align 8
+  %291 = icmp sgt i64 %275, %290
+  br i1 %291, label %314, label %292
 
-280:
-  %281 = getelementptr inbounds %struct.Way, ptr %2, i64 %270
-  %282 = trunc i32 %273 to i8
-  %283 = or i8 %271, %282
-  %284 = load ptr, ptr %281, align 8
-  %285 = load i64, ptr %53, align 8
-  %286 = mul nsw i64 %285, %264
-  %287 = getelementptr inbounds double, ptr %284, i64 %286
-  %288 = icmp sgt i64 %285, 0
-  br i1 %288, label %289, label %302
+292:
+  %293 = getelementptr inbounds %struct.Way, ptr %2, i64 %282
+  %294 = trunc i32 %285 to i8
+  %295 = or i8 %283, %294
+  %296 = load ptr, ptr %293, align 8
+  %297 = load i64, ptr %53, align 8
+  %298 = mul nsw i64 %297, %276
+  %299 = getelementptr inbounds double, ptr %296, i64 %298
+  %300 = icmp sgt i64 %297, 0
+  br i1 %300, label %301, label %314
 
-289:
-  %290 = phi i64 [ %299, %289 ], [ 0, %280 ]
-  %291 = getelementptr inbounds double, ptr %287, i64 %290
-  %292 = load double, ptr %291, align 8
-  %293 = load ptr, ptr %54, align 8
-  %294 = getelementptr inbounds i64, ptr %293, i64 %290
-  %295 = load i64, ptr %294, align 8
-  %296 = shl nsw i64 %295, 3
-  %297 = add nsw i64 %296, %270
-  %298 = getelementptr inbounds double, ptr %97, i64 %297
-  store double %292, ptr %298, align 8
-  %299 = add nuw nsw i64 %290, 1
-  %300 = load i64, ptr %53, align 8
-  %301 = icmp slt i64 %299, %300
-  br i1 %301, label %289, label %302
-
-302:
-  %303 = phi i8 [ %271, %276 ], [ %271, %269 ], [ %283, %280 ], [ %283, %289 ]
-  %304 = add nuw nsw i64 %270, 1
-  %305 = icmp eq i64 %304, 8
-  br i1 %305, label %265, label %269
-
-306:
-  %307 = load ptr, ptr %64, align 8
-  %308 = tail call zeroext i8 %307(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
-  br label %309
-
-309:
-  %310 = phi i32 [ 0, %306 ], [ %316, %315 ]
-  %311 = shl nuw i32 1, %310
-  %312 = and i32 %311, %244
-  %313 = icmp eq i32 %312, 0
-  br i1 %313, label %315, label %314
+301:
+  %302 = phi i64 [ %311, %301 ], [ 0, %292 ]
+  %303 = getelementptr inbounds double, ptr %299, i64 %302
+  %304 = load double, ptr %303, align 8
+  %305 = load ptr, ptr %54, align 8
+  %306 = getelementptr inbounds i64, ptr %305, i64 %302
+  %307 = load i64, ptr %306, align 8
+  %308 = shl nsw i64 %307, 3
+  %309 = add nsw i64 %308, %282
+  %310 = getelementptr inbounds double, ptr %97, i64 %309
+  store double %304, ptr %310, align 8
+  %311 = add nuw nsw i64 %302, 1
+  %312 = load i64, ptr %53, align 8
+  %313 = icmp slt i64 %311, %312
+  br i1 %313, label %301, label %314
 
 314:
-  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %310)
-  br label %315
-
-315:
-  %316 = add nuw nsw i32 %310, 1
-  %317 = icmp eq i32 %316, 8
-  br i1 %317, label %93, label %309
+  %315 = phi i8 [ %283, %288 ], [ %283, %281 ], [ %295, %292 ], [ %295, %301 ]
+  %316 = add nuw nsw i64 %282, 1
+  %317 = icmp eq i64 %316, 8
+  br i1 %317, label %277, label %281
 
 318:
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(64) %41, i8 -1, i64 64, i1 false)
-  br label %319
+  %319 = load ptr, ptr %64, align 8
+  %320 = tail call zeroext i8 %319(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
+  br label %321
 
-319:
-  %320 = phi i64 [ 0, %318 ], [ %323, %319 ]
-  %321 = getelementptr inbounds [8 x %struct.Way], ptr %2, i64 0, i64 %320
-  %322 = load ptr, ptr %321, align 8
-  tail call void @free(ptr noundef %322)
-  %323 = add nuw nsw i64 %320, 1
-  %324 = icmp eq i64 %323, 8
-  br i1 %324, label %325, label %319
-
-325:
-  call void @llvm.lifetime.end.p0(i64 192, ptr nonnull %2)
-  br label %647
+321:
+  %322 = phi i32 [ 0, %318 ], [ %328, %327 ]
+  %323 = shl nuw i32 1, %322
+  %324 = and i32 %323, %256
+  %325 = icmp eq i32 %324, 0
+  br i1 %325, label %327, label %326
 
 326:
-  %327 = load i64, ptr %35, align 8
-  %328 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 8
-  %329 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 1
-  %330 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 3
-  %331 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 11
-  %332 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 12
-  %333 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 13
-  %334 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 14
-  %335 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 7
-  %336 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 2
-  %337 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 6
-  %338 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 9
-  %339 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 15
-  %340 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 10
-  %341 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 16
-  br label %342
+  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %322)
+  br label %327
 
-342:
-  %343 = phi i8 [ 0, %326 ], [ %646, %645 ]
-  br label %346
+327:
+  %328 = add nuw nsw i32 %322, 1
+  %329 = icmp eq i32 %328, 8
+  br i1 %329, label %93, label %321
 
-344:
-  %345 = icmp eq i8 %374, 0
-  br i1 %345, label %388, label %384
+330:
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(64) %41, i8 -1, i64 64, i1 false)
+  br label %331
 
-346:
-  %347 = phi i64 [ 0, %342 ], [ %382, %373 ]
-  %348 = phi i8 [ %343, %342 ], [ %374, %373 ]
-  %349 = phi i8 [ 0, %342 ], [ %381, %373 ]
-  %350 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %347
-  %351 = load i64, ptr %350, align 8
-  %352 = icmp slt i64 %351, 0
-  br i1 %352, label %353, label %373
+331:
+  %332 = phi i64 [ 0, %330 ], [ %335, %331 ]
+  %333 = getelementptr inbounds [8 x %struct.Way], ptr %2, i64 0, i64 %332
+  %334 = load ptr, ptr %333, align 8
+  tail call void @free(ptr noundef %334)
+  %335 = add nuw nsw i64 %332, 1
+  %336 = icmp eq i64 %335, 8
+  br i1 %336, label %337, label %331
 
-353:
-  %354 = trunc i64 %347 to i32
-  %355 = call fastcc i32 @take_lane(ptr noundef nonnull %0, i64 noundef %44, ptr noundef nonnull %3, i32 noundef %354)
-  %356 = icmp eq i32 %355, 0
-  br i1 %356, label %373, label %357
+337:
+  call void @llvm.lifetime.end.p0(i64 192, ptr nonnull %2)
+  br label %659
 
-357:
-  %358 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %347
-  store i64 0, ptr %358, align 8
-  %359 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %347
-  store i64 0, ptr %359, align 8
-  %360 = load i64, ptr %328, align 8
-  %361 = icmp sgt i64 %360, -1
-  br i1 %361, label %362, label %369
+338:
+  %339 = load i64, ptr %35, align 8
+  %340 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 8
+  %341 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 1
+  %342 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 3
+  %343 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 11
+  %344 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 12
+  %345 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 13
+  %346 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 14
+  %347 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 7
+  %348 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 2
+  %349 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 6
+  %350 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 9
+  %351 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 15
+  %352 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 10
+  %353 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 16
+  br label %354
 
-362:
-  %363 = load ptr, ptr %3, align 8
-  %364 = shl nsw i64 %360, 3
-  %365 = add nsw i64 %364, %347
-  %366 = getelementptr inbounds double, ptr %363, i64 %365
-  %367 = load double, ptr %366, align 8
-  %368 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %347
-  store double %367, ptr %368, align 8
-  br label %369
+354:
+  %355 = phi i8 [ 0, %338 ], [ %658, %657 ]
+  br label %358
+
+356:
+  %357 = icmp eq i8 %386, 0
+  br i1 %357, label %400, label %396
+
+358:
+  %359 = phi i64 [ 0, %354 ], [ %394, %385 ]
+  %360 = phi i8 [ %355, %354 ], [ %386, %385 ]
+  %361 = phi i8 [ 0, %354 ], [ %393, %385 ]
+  %362 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %359
+  %363 = load i64, ptr %362, align 8
+  %364 = icmp slt i64 %363, 0
+  br i1 %364, label %365, label %385
+
+365:
+  %366 = trunc i64 %359 to i32
+  %367 = call fastcc i32 @take_lane(ptr noundef nonnull %0, i64 noundef %44, ptr noundef nonnull %3, i32 noundef %366)
+  %368 = icmp eq i32 %367, 0
+  br i1 %368, label %385, label %369
 
 369:
-  %370 = shl nuw i32 1, %354
-  %371 = trunc i32 %370 to i8
-  %372 = or i8 %348, %371
-  br label %373
+  %370 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %359
+  store i64 0, ptr %370, align 8
+  %371 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %359
+  store i64 0, ptr %371, align 8
+  %372 = load i64, ptr %340, align 8
+  %373 = icmp sgt i64 %372, -1
+  br i1 %373, label %374, label %381
 
-373:
-  %374 = phi i8 [ %372, %369 ], [ %348, %353 ], [ %348, %346 ]
-  %375 = load i64, ptr %350, align 8
-  %376 = trunc i64 %347 to i32
-  %377 = shl nuw i32 1, %376
-  %378 = trunc i32 %377 to i8
-  %379 = icmp slt i64 %375, 0
-  %380 = select i1 %379, i8 0, i8 %378
-  %381 = or i8 %380, %349
-  %382 = add nuw nsw i64 %347, 1
-  %383 = icmp eq i64 %382, 8
-  br i1 %383, label %344, label %346
+374:
+  %375 = load ptr, ptr %3, align 8
+  %376 = shl nsw i64 %372, 3
+  %377 = add nsw i64 %376, %359
+  %378 = getelementptr inbounds double, ptr %375, i64 %377
+  %379 = load double, ptr %378, align 8
+  %380 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %359
+  store double %379, ptr %380, align 8
+  br label %381
 
-384:
-  %385 = load ptr, ptr %49, align 8
-  %386 = load ptr, ptr %3, align 8
-  %387 = tail call zeroext i8 %385(ptr noundef %386, i8 noundef zeroext %374, i64 noundef %327)
-  br label %388
+381:
+  %382 = shl nuw i32 1, %366
+  %383 = trunc i32 %382 to i8
+  %384 = or i8 %360, %383
+  br label %385
 
-388:
-  %389 = icmp eq i8 %381, 0
-  br i1 %389, label %645, label %390
+385:
+  %386 = phi i8 [ %384, %381 ], [ %360, %365 ], [ %360, %358 ]
+  %387 = load i64, ptr %362, align 8
+  %388 = trunc i64 %359 to i32
+  %389 = shl nuw i32 1, %388
+  %390 = trunc i32 %389 to i8
+  %391 = icmp slt i64 %387, 0
+  %392 = select i1 %391, i8 0, i8 %390
+  %393 = or i8 %392, %361
+  %394 = add nuw nsw i64 %359, 1
+  %395 = icmp eq i64 %394, 8
+  br i1 %395, label %356, label %358
 
-390:
-  %391 = zext i8 %381 to i32
-  %392 = load ptr, ptr %3, align 8
-  br label %393
-
-393:
-  %394 = load ptr, ptr %329, align 8
-  %395 = tail call zeroext i8 %394(ptr noundef %392, i8 noundef zeroext %381, i64 noundef %327)
-  %396 = xor i8 %395, -1
-  %397 = and i8 %381, %396
-  %398 = load ptr, ptr %330, align 8
-  %399 = icmp eq ptr %398, null
-  br i1 %399, label %588, label %400
+396:
+  %397 = load ptr, ptr %49, align 8
+  %398 = load ptr, ptr %3, align 8
+  %399 = tail call zeroext i8 %397(ptr noundef %398, i8 noundef zeroext %386, i64 noundef %339)
+  br label %400
 
 400:
-  %401 = load i64, ptr %331, align 8
-  %402 = shl nsw i64 %401, 3
-  %403 = getelementptr inbounds double, ptr %392, i64 %402
-  %404 = load i64, ptr %332, align 8
-  %405 = shl nsw i64 %404, 3
-  %406 = getelementptr inbounds double, ptr %392, i64 %405
-  %407 = zext i8 %397 to i32
-  br label %410
+  %401 = icmp eq i8 %393, 0
+  br i1 %401, label %657, label %402
 
-408:
-  %409 = icmp eq i8 %483, 0
-  br i1 %409, label %588, label %489
+402:
+  %403 = zext i8 %393 to i32
+  %404 = load ptr, ptr %3, align 8
+  br label %405
 
-410:
-  %411 = phi i64 [ 0, %400 ], [ %487, %486 ]
-  %412 = phi i8 [ 0, %400 ], [ %488, %486 ]
-  %413 = trunc i64 %411 to i32
-  %414 = shl nuw i32 1, %413
-  %415 = and i32 %414, %391
-  %416 = icmp eq i32 %415, 0
-  br i1 %416, label %482, label %417
+405:
+  %406 = load ptr, ptr %341, align 8
+  %407 = tail call zeroext i8 %406(ptr noundef %404, i8 noundef zeroext %393, i64 noundef %339)
+  %408 = xor i8 %407, -1
+  %409 = and i8 %393, %408
+  %410 = load ptr, ptr %342, align 8
+  %411 = icmp eq ptr %410, null
+  br i1 %411, label %600, label %412
 
-417:
-  %418 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %411
-  %419 = load i64, ptr %418, align 8
-  %420 = load ptr, ptr %36, align 8
-  %421 = icmp eq ptr %420, null
-  br i1 %421, label %434, label %422
+412:
+  %413 = load i64, ptr %343, align 8
+  %414 = shl nsw i64 %413, 3
+  %415 = getelementptr inbounds double, ptr %404, i64 %414
+  %416 = load i64, ptr %344, align 8
+  %417 = shl nsw i64 %416, 3
+  %418 = getelementptr inbounds double, ptr %404, i64 %417
+  %419 = zext i8 %409 to i32
+  br label %422
+
+420:
+  %421 = icmp eq i8 %495, 0
+  br i1 %421, label %600, label %501
 
 422:
-  %423 = icmp eq i64 %419, 0
-  br i1 %423, label %469, label %424
+  %423 = phi i64 [ 0, %412 ], [ %499, %498 ]
+  %424 = phi i8 [ 0, %412 ], [ %500, %498 ]
+  %425 = trunc i64 %423 to i32
+  %426 = shl nuw i32 1, %425
+  %427 = and i32 %426, %403
+  %428 = icmp eq i32 %427, 0
+  br i1 %428, label %494, label %429
 
-424:
-  %425 = load i64, ptr %331, align 8
-  %426 = shl nsw i64 %425, 3
-  %427 = add nsw i64 %426, %411
-  %428 = getelementptr inbounds double, ptr %392, i64 %427
-  %429 = load double, ptr %428, align 8
-  %430 = getelementptr inbounds %struct.Course, ptr %420, i64 0, i32 3
-  %431 = load double, ptr %430, align 8
-  %432 = fcmp ogt double %429, %431
-  %433 = select i1 %432, double %429, double 0x7FF0000000000000
-  br label %469
+429:
+  %430 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %423
+  %431 = load i64, ptr %430, align 8
+  %432 = load ptr, ptr %36, align 8
+  %433 = icmp eq ptr %432, null
+  br i1 %433, label %446, label %434
 
 434:
-  %435 = load i64, ptr %37, align 8
-  %436 = icmp eq i64 %419, %435
-  br i1 %436, label %469, label %437
+  %435 = icmp eq i64 %431, 0
+  br i1 %435, label %481, label %436
 
-437:
-  %438 = load ptr, ptr %38, align 8
-  %439 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %411
-  %440 = load i64, ptr %439, align 8
-  %441 = load i64, ptr %39, align 8
-  %442 = icmp eq i64 %441, 1
-  %443 = load ptr, ptr %438, align 8
-  br i1 %442, label %444, label %449
+436:
+  %437 = load i64, ptr %343, align 8
+  %438 = shl nsw i64 %437, 3
+  %439 = add nsw i64 %438, %423
+  %440 = getelementptr inbounds double, ptr %404, i64 %439
+  %441 = load double, ptr %440, align 8
+  %442 = getelementptr inbounds %struct.Course, ptr %432, i64 0, i32 3
+  %443 = load double, ptr %442, align 8
+  %444 = fcmp ogt double %441, %443
+  %445 = select i1 %444, double %441, double 0x7FF0000000000000
+  br label %481
 
-444:
-  %445 = getelementptr inbounds %struct.Operand, ptr %438, i64 0, i32 1
-  %446 = load i64, ptr %445, align 8
-  %447 = mul nsw i64 %446, %440
-  %448 = getelementptr inbounds double, ptr %443, i64 %447
-  br label %465
+446:
+  %447 = load i64, ptr %37, align 8
+  %448 = icmp eq i64 %431, %447
+  br i1 %448, label %481, label %449
 
 449:
-  %450 = icmp sgt i64 %441, 0
-  br i1 %450, label %451, label %465
+  %450 = load ptr, ptr %38, align 8
+  %451 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %423
+  %452 = load i64, ptr %451, align 8
+  %453 = load i64, ptr %39, align 8
+  %454 = icmp eq i64 %453, 1
+  %455 = load ptr, ptr %450, align 8
+  br i1 %454, label %456, label %461
 
-451:
-  %452 = phi i64 [ %455, %451 ], [ %441, %449 ]
-  %453 = phi ptr [ %462, %451 ], [ %443, %449 ]
-  %454 = phi i64 [ %463, %451 ], [ %440, %449 ]
-  %455 = add nsw i64 %452, -1
-  %456 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %455
-  %457 = load i64, ptr %456, align 8
-  %458 = srem i64 %454, %457
-  %459 = getelementptr inbounds %struct.Operand, ptr %438, i64 0, i32 1, i64 %455
-  %460 = load i64, ptr %459, align 8
-  %461 = mul nsw i64 %460, %458
-  %462 = getelementptr inbounds double, ptr %453, i64 %461
-  %463 = sdiv i64 %454, %457
-  %464 = icmp sgt i64 %452, 1
-  br i1 %464, label %451, label %465
+456:
+  %457 = getelementptr inbounds %struct.Operand, ptr %450, i64 0, i32 1
+  %458 = load i64, ptr %457, align 8
+  %459 = mul nsw i64 %458, %452
+  %460 = getelementptr inbounds double, ptr %455, i64 %459
+  br label %477
 
-465:
-  %466 = phi ptr [ %448, %444 ], [ %443, %449 ], [ %462, %451 ]
-  %467 = getelementptr inbounds double, ptr %466, i64 %419
-  %468 = load double, ptr %467, align 8
-  br label %469
+461:
+  %462 = icmp sgt i64 %453, 0
+  br i1 %462, label %463, label %477
 
-469:
-  %470 = phi double [ %468, %465 ], [ %433, %424 ], [ 0.000000e+00, %422 ], [ 0x7FF0000000000000, %434 ]
-  %471 = getelementptr inbounds double, ptr %406, i64 %411
-  store double %470, ptr %471, align 8
-  %472 = getelementptr inbounds double, ptr %403, i64 %411
-  %473 = load double, ptr %472, align 8
-  %474 = and i32 %414, %407
-  %475 = icmp eq i32 %474, 0
-  %476 = select i1 %475, double 1.000000e+00, double 0x3FF000010C6F7A0B
-  %477 = fmul double %476, %473
-  %478 = fcmp ugt double %470, %477
-  %479 = trunc i32 %414 to i8
-  %480 = select i1 %478, i8 0, i8 %479
-  %481 = or i8 %480, %412
-  br label %482
+463:
+  %464 = phi i64 [ %467, %463 ], [ %453, %461 ]
+  %465 = phi ptr [ %474, %463 ], [ %455, %461 ]
+  %466 = phi i64 [ %475, %463 ], [ %452, %461 ]
+  %467 = add nsw i64 %464, -1
+  %468 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %467
+  %469 = load i64, ptr %468, align 8
+  %470 = srem i64 %466, %469
+  %471 = getelementptr inbounds %struct.Operand, ptr %450, i64 0, i32 1, i64 %467
+  %472 = load i64, ptr %471, align 8
+  %473 = mul nsw i64 %472, %470
+  %474 = getelementptr inbounds double, ptr %465, i64 %473
+  %475 = sdiv i64 %466, %469
+  %476 = icmp sgt i64 %464, 1
+  br i1 %476, label %463, label %477
 
-482:
-  %483 = phi i8 [ %481, %469 ], [ %412, %410 ]
-  %484 = add nuw nsw i64 %411, 1
-  %485 = icmp eq i64 %484, 8
-  br i1 %485, label %408, label %486
+477:
+  %478 = phi ptr [ %460, %456 ], [ %455, %461 ], [ %474, %463 ]
+  %479 = getelementptr inbounds double, ptr %478, i64 %431
+  %480 = load double, ptr %479, align 8
+  br label %481
 
-486:
-  %487 = phi i64 [ %484, %482 ], [ 0, %585 ]
-  %488 = phi i8 [ %483, %482 ], [ 0, %585 ]
-  br label %410
-
-489:
-  %490 = load ptr, ptr %330, align 8
-  %491 = load i64, ptr %35, align 8
-  %492 = tail call zeroext i8 %490(ptr noundef %392, i8 noundef zeroext %483, i64 noundef %491)
-  %493 = zext i8 %483 to i32
+481:
+  %482 = phi double [ %480, %477 ], [ %445, %436 ], [ 0.000000e+00, %434 ], [ 0x7FF0000000000000, %446 ]
+  %483 = getelementptr inbounds double, ptr %418, i64 %423
+  store double %482, ptr %483, align 8
+  %484 = getelementptr inbounds double, ptr %415, i64 %423
+  %485 = load double, ptr %484, align 8
+  %486 = and i32 %426, %419
+  %487 = icmp eq i32 %486, 0
+  %488 = select i1 %487, double 1.000000e+00, double 0x3FF000010C6F7A0B
+  %489 = fmul double %488, %485
+  %490 = fcmp ugt double %482, %489
+  %491 = trunc i32 %426 to i8
+  %492 = select i1 %490, i8 0, i8 %491
+  %493 = or i8 %492, %424
   br label %494
 
 494:
-  %495 = phi i64 [ 0, %489 ], [ %586, %585 ]
-  %496 = trunc i64 %495 to i32
-  %497 = shl nuw i32 1, %496
-  %498 = and i32 %497, %493
-  %499 = icmp eq i32 %498, 0
-  br i1 %499, label %585, label %500
+  %495 = phi i8 [ %493, %481 ], [ %424, %422 ]
+  %496 = add nuw nsw i64 %423, 1
+  %497 = icmp eq i64 %496, 8
+  br i1 %497, label %420, label %498
 
-500:
-  %501 = load i64, ptr %333, align 8
-  %502 = shl nsw i64 %501, 3
-  %503 = getelementptr inbounds double, ptr %392, i64 %502
-  %504 = getelementptr inbounds double, ptr %503, i64 %495
-  %505 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %495
-  %506 = load i64, ptr %505, align 8
-  %507 = load ptr, ptr %36, align 8
-  %508 = icmp eq ptr %507, null
-  br i1 %508, label %537, label %509
+498:
+  %499 = phi i64 [ %496, %494 ], [ 0, %597 ]
+  %500 = phi i8 [ %495, %494 ], [ 0, %597 ]
+  br label %422
 
-509:
-  %510 = load i64, ptr %332, align 8
-  %511 = shl nsw i64 %510, 3
-  %512 = add nsw i64 %511, %495
-  %513 = getelementptr inbounds double, ptr %392, i64 %512
-  %514 = load double, ptr %513, align 8
-  %515 = getelementptr inbounds %struct.Course, ptr %507, i64 0, i32 3
-  store double %514, ptr %515, align 8
-  %516 = add nsw i64 %506, 1
-  %517 = getelementptr inbounds %struct.Course, ptr %507, i64 0, i32 2
-  store i64 %516, ptr %517, align 8
-  %518 = getelementptr inbounds %struct.Course, ptr %507, i64 0, i32 1
-  %519 = load i64, ptr %518, align 8
-  %520 = icmp slt i64 %506, %519
-  br i1 %520, label %521, label %583
+501:
+  %502 = load ptr, ptr %342, align 8
+  %503 = load i64, ptr %35, align 8
+  %504 = tail call zeroext i8 %502(ptr noundef %404, i8 noundef zeroext %495, i64 noundef %503)
+  %505 = zext i8 %495 to i32
+  br label %506
+
+506:
+  %507 = phi i64 [ 0, %501 ], [ %598, %597 ]
+  %508 = trunc i64 %507 to i32
+  %509 = shl nuw i32 1, %508
+  %510 = and i32 %509, %505
+  %511 = icmp eq i32 %510, 0
+  br i1 %511, label %597, label %512
+
+512:
+  %513 = load i64, ptr %345, align 8
+  %514 = shl nsw i64 %513, 3
+  %515 = getelementptr inbounds double, ptr %404, i64 %514
+  %516 = getelementptr inbounds double, ptr %515, i64 %507
+  %517 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %507
+  %518 = load i64, ptr %517, align 8
+  %519 = load ptr, ptr %36, align 8
+  %520 = icmp eq ptr %519, null
+  br i1 %520, label %549, label %521
 
 521:
-  %522 = load i64, ptr %334, align 8
-  %523 = icmp sgt i64 %522, 0
-  br i1 %523, label %524, label %583
+  %522 = load i64, ptr %344, align 8
+  %523 = shl nsw i64 %522, 3
+  %524 = add nsw i64 %523, %507
+  %525 = getelementptr inbounds double, ptr %404, i64 %524
+  %526 = load double, ptr %525, align 8
+  %527 = getelementptr inbounds %struct.Course, ptr %519, i64 0, i32 3
+  store double %526, ptr %527, align 8
+  %528 = add nsw i64 %518, 1
+  %529 = getelementptr inbounds %struct.Course, ptr %519, i64 0, i32 2
+  store i64 %528, ptr %529, align 8
+  %530 = getelementptr inbounds %struct.Course, ptr %519, i64 0, i32 1
+  %531 = load i64, ptr %530, align 8
+  %532 = icmp slt i64 %518, %531
+  br i1 %532, label %533, label %595
 
-524:
-  %525 = phi i64 [ %534, %524 ], [ 0, %521 ]
-  %526 = shl nsw i64 %525, 3
-  %527 = getelementptr inbounds double, ptr %504, i64 %526
-  %528 = load double, ptr %527, align 8
-  %529 = load ptr, ptr %507, align 8
-  %530 = load i64, ptr %518, align 8
-  %531 = mul nsw i64 %530, %525
-  %532 = add nsw i64 %531, %506
-  %533 = getelementptr inbounds double, ptr %529, i64 %532
-  store double %528, ptr %533, align 8
-  %534 = add nuw nsw i64 %525, 1
-  %535 = load i64, ptr %334, align 8
-  %536 = icmp slt i64 %534, %535
-  br i1 %536, label %524, label %583
+533:
+  %534 = load i64, ptr %346, align 8
+  %535 = icmp sgt i64 %534, 0
+  br i1 %535, label %536, label %595
 
-537:
-  %538 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %495
-  %539 = load i64, ptr %538, align 8
-  %540 = load i64, ptr %37, align 8
-  %541 = mul nsw i64 %540, %539
-  %542 = add nsw i64 %541, %506
-  %543 = load ptr, ptr %40, align 8
-  %544 = load i64, ptr %335, align 8
-  %545 = getelementptr inbounds ptr, ptr %543, i64 %544
-  %546 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 2, i64 %495
-  %547 = load i64, ptr %546, align 8
-  %548 = load i64, ptr %334, align 8
-  %549 = load ptr, ptr %0, align 8
-  %550 = getelementptr inbounds %struct.Operation, ptr %549, i64 0, i32 6
+536:
+  %537 = phi i64 [ %546, %536 ], [ 0, %533 ]
+  %538 = shl nsw i64 %537, 3
+  %539 = getelementptr inbounds double, ptr %516, i64 %538
+  %540 = load double, ptr %539, align 8
+  %541 = load ptr, ptr %519, align 8
+  %542 = load i64, ptr %530, align 8
+  %543 = mul nsw i64 %542, %537
+  %544 = add nsw i64 %543, %518
+  %545 = getelementptr inbounds double, ptr %541, i64 %544
+  store double %540, ptr %545, align 8
+  %546 = add nuw nsw i64 %537, 1
+  %547 = load i64, ptr %346, align 8
+  %548 = icmp slt i64 %546, %547
+  br i1 %548, label %536, label %595
+
+549:
+  %550 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %507
   %551 = load i64, ptr %550, align 8
-  %552 = add nsw i64 %551, 1
-  %553 = sdiv i64 %548, %552
-  %554 = sub nsw i64 %551, %547
-  %555 = load i64, ptr %35, align 8
-  %556 = tail call i64 @llvm.smin.i64(i64 %554, i64 %555)
-  %557 = add nsw i64 %556, 1
-  %558 = mul nsw i64 %557, %553
-  %559 = icmp sgt i64 %558, 0
-  br i1 %559, label %560, label %583
+  %552 = load i64, ptr %37, align 8
+  %553 = mul nsw i64 %552, %551
+  %554 = add nsw i64 %553, %518
+  %555 = load ptr, ptr %40, align 8
+  %556 = load i64, ptr %347, align 8
+  %557 = getelementptr inbounds ptr, ptr %555, i64 %556
+  %558 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 2, i64 %507
+  %559 = load i64, ptr %558, align 8
+  %560 = load i64, ptr %346, align 8
+  %561 = load ptr, ptr %0, align 8
+  %562 = getelementptr inbounds %struct.Operation, ptr %561, i64 0, i32 6
+  %563 = load i64, ptr %562, align 8
+  %564 = add nsw i64 %563, 1
+  %565 = sdiv i64 %560, %564
+  %566 = sub nsw i64 %563, %559
+  %567 = load i64, ptr %35, align 8
+  %568 = tail call i64 @llvm.smin.i64(i64 %566, i64 %567)
+  %569 = add nsw i64 %568, 1
+  %570 = mul nsw i64 %569, %565
+  %571 = icmp sgt i64 %570, 0
+  br i1 %571, label %572, label %595
 
-560:
-  %561 = mul nsw i64 %553, %547
-  br label %562
+572:
+  %573 = mul nsw i64 %565, %559
+  br label %574
 
-562:
-  %563 = phi i64 [ 0, %560 ], [ %573, %562 ]
-  %564 = shl nsw i64 %563, 3
-  %565 = getelementptr inbounds double, ptr %504, i64 %564
-  %566 = load double, ptr %565, align 8
-  %567 = icmp slt i64 %563, %553
-  %568 = select i1 %567, i64 0, i64 %561
-  %569 = add nsw i64 %568, %563
-  %570 = getelementptr inbounds ptr, ptr %545, i64 %569
-  %571 = load ptr, ptr %570, align 8
-  %572 = getelementptr inbounds double, ptr %571, i64 %542
-  store double %566, ptr %572, align 8
-  %573 = add nuw nsw i64 %563, 1
-  %574 = load ptr, ptr %0, align 8
-  %575 = getelementptr inbounds %struct.Operation, ptr %574, i64 0, i32 6
-  %576 = load i64, ptr %575, align 8
-  %577 = sub nsw i64 %576, %547
-  %578 = load i64, ptr %35, align 8
-  %579 = tail call i64 @llvm.smin.i64(i64 %577, i64 %578)
-  %580 = add nsw i64 %579, 1
-  %581 = mul nsw i64 %580, %553
-  %582 = icmp slt i64 %573, %581
-  br i1 %582, label %562, label %583
+574:
+  %575 = phi i64 [ 0, %572 ], [ %585, %574 ]
+  %576 = shl nsw i64 %575, 3
+  %577 = getelementptr inbounds double, ptr %516, i64 %576
+  %578 = load double, ptr %577, align 8
+  %579 = icmp slt i64 %575, %565
+  %580 = select i1 %579, i64 0, i64 %573
+  %581 = add nsw i64 %580, %575
+  %582 = getelementptr inbounds ptr, ptr %557, i64 %581
+  %583 = load ptr, ptr %582, align 8
+  %584 = getelementptr inbounds double, ptr %583, i64 %554
+  store double %578, ptr %584, align 8
+  %585 = add nuw nsw i64 %575, 1
+  %586 = load ptr, ptr %0, align 8
+  %587 = getelementptr inbounds %struct.Operation, ptr %586, i64 0, i32 6
+  %588 = load i64, ptr %587, align 8
+  %589 = sub nsw i64 %588, %559
+  %590 = load i64, ptr %35, align 8
+  %591 = tail call i64 @llvm.smin.i64(i64 %589, i64 %590)
+  %592 = add nsw i64 %591, 1
+  %593 = mul nsw i64 %592, %565
+  %594 = icmp slt i64 %585, %593
+  br i1 %594, label %574, label %595
 
-583:
-  %584 = add nsw i64 %506, 1
-  store i64 %584, ptr %505, align 8
-  br label %585
+595:
+  %596 = add nsw i64 %518, 1
+  store i64 %596, ptr %517, align 8
+  br label %597
 
-585:
-  %586 = add nuw nsw i64 %495, 1
-  %587 = icmp eq i64 %586, 8
-  br i1 %587, label %486, label %494
+597:
+  %598 = add nuw nsw i64 %507, 1
+  %599 = icmp eq i64 %598, 8
+  br i1 %599, label %498, label %506
 
-588:
-  %589 = icmp eq i8 %397, 0
-  br i1 %589, label %393, label %590
+600:
+  %601 = icmp eq i8 %409, 0
+  br i1 %601, label %405, label %602
 
-590:
-  %591 = load ptr, ptr %336, align 8
-  %592 = tail call zeroext i8 %591(ptr noundef %392, i8 noundef zeroext %397, i64 noundef %327)
-  %593 = zext i8 %397 to i32
-  br label %594
+602:
+  %603 = load ptr, ptr %348, align 8
+  %604 = tail call zeroext i8 %603(ptr noundef %404, i8 noundef zeroext %409, i64 noundef %339)
+  %605 = zext i8 %409 to i32
+  br label %606
 
-594:
-  %595 = phi i64 [ 0, %590 ], [ %643, %641 ]
-  %596 = phi i8 [ 0, %590 ], [ %642, %641 ]
-  %597 = trunc i64 %595 to i32
-  %598 = shl nuw i32 1, %597
-  %599 = and i32 %598, %593
-  %600 = icmp eq i32 %599, 0
-  br i1 %600, label %641, label %601
+606:
+  %607 = phi i64 [ 0, %602 ], [ %655, %653 ]
+  %608 = phi i8 [ 0, %602 ], [ %654, %653 ]
+  %609 = trunc i64 %607 to i32
+  %610 = shl nuw i32 1, %609
+  %611 = and i32 %610, %605
+  %612 = icmp eq i32 %611, 0
+  br i1 %612, label %653, label %613
 
-601:
-  %602 = load i64, ptr %328, align 8
-  %603 = icmp slt i64 %602, 0
-  br i1 %603, label %639, label %604
+613:
+  %614 = load i64, ptr %340, align 8
+  %615 = icmp slt i64 %614, 0
+  br i1 %615, label %651, label %616
 
-604:
-  %605 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %595
-  %606 = load i64, ptr %605, align 8
-  %607 = icmp eq i64 %606, 7
-  br i1 %607, label %639, label %608
+616:
+  %617 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %607
+  %618 = load i64, ptr %617, align 8
+  %619 = icmp eq i64 %618, 7
+  br i1 %619, label %651, label %620
 
-608:
-  %609 = load i64, ptr %337, align 8
-  %610 = shl nsw i64 %609, 3
-  %611 = getelementptr inbounds double, ptr %392, i64 %610
-  %612 = getelementptr inbounds double, ptr %611, i64 %595
-  %613 = load i64, ptr %338, align 8
-  %614 = shl nsw i64 %613, 3
-  %615 = getelementptr inbounds double, ptr %612, i64 %614
-  %616 = load double, ptr %615, align 8
-  %617 = load double, ptr %339, align 8
-  %618 = fcmp une double %616, %617
-  br i1 %618, label %639, label %619
-
-619:
-  %620 = load i64, ptr %340, align 8
-  %621 = shl nsw i64 %620, 3
-  %622 = getelementptr inbounds double, ptr %612, i64 %621
-  %623 = load double, ptr %622, align 8
-  %624 = load double, ptr %341, align 8
-  %625 = fcmp ult double %623, %624
-  br i1 %625, label %626, label %639
-
-626:
-  %627 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %595
+620:
+  %621 = load i64, ptr %349, align 8
+  %622 = shl nsw i64 %621, 3
+  %623 = getelementptr inbounds double, ptr %404, i64 %622
+  %624 = getelementptr inbounds double, ptr %623, i64 %607
+  %625 = load i64, ptr %350, align 8
+  %626 = shl nsw i64 %625, 3
+  %627 = getelementptr inbounds double, ptr %624, i64 %626
   %628 = load double, ptr %627, align 8
-  %629 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %606
-  %630 = load double, ptr %629, align 8
-  %631 = fmul double %628, %630
-  %632 = shl nsw i64 %602, 3
-  %633 = add nsw i64 %632, %595
-  %634 = getelementptr inbounds double, ptr %392, i64 %633
-  store double %631, ptr %634, align 8
-  %635 = add nsw i64 %606, 1
-  store i64 %635, ptr %605, align 8
-  %636 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %595
-  store i64 0, ptr %636, align 8
-  %637 = trunc i32 %598 to i8
-  %638 = or i8 %596, %637
-  br label %641
+  %629 = load double, ptr %351, align 8
+  %630 = fcmp une double %628, %629
+  br i1 %630, label %651, label %631
 
-639:
-  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %597)
-  %640 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %595
-  store i64 -1, ptr %640, align 8
-  br label %641
+631:
+  %632 = load i64, ptr %352, align 8
+  %633 = shl nsw i64 %632, 3
+  %634 = getelementptr inbounds double, ptr %624, i64 %633
+  %635 = load double, ptr %634, align 8
+  %636 = load double, ptr %353, align 8
+  %637 = fcmp ult double %635, %636
+  br i1 %637, label %638, label %651
 
-641:
-  %642 = phi i8 [ %638, %626 ], [ %596, %639 ], [ %596, %594 ]
-  %643 = add nuw nsw i64 %595, 1
-  %644 = icmp eq i64 %643, 8
-  br i1 %644, label %645, label %594
-
-645:
-  %646 = phi i8 [ %343, %388 ], [ %642, %641 ]
-  br i1 %389, label %647, label %342
-
-647:
-  %648 = add nuw nsw i64 %44, 1
-  %649 = load i64, ptr %4, align 8
-  %650 = icmp slt i64 %648, %649
-  br i1 %650, label %43, label %42
+638:
+  %639 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %607
+  %640 = load double, ptr %639, align 8
+  %641 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %618
+  %642 = load double, ptr %641, align 8
+  %643 = fmul double %640, %642
+  %644 = shl nsw i64 %614, 3
+  %645 = add nsw i64 %644, %607
+  %646 = getelementptr inbounds double, ptr %404, i64 %645
+  store double %643, ptr %646, align 8
+  %647 = add nsw i64 %618, 1
+  store i64 %647, ptr %617, align 8
+  %648 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %607
+  store i64 0, ptr %648, align 8
+  %649 = trunc i32 %610 to i8
+  %650 = or i8 %608, %649
+  br label %653
 
 651:
+  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %609)
+  %652 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %607
+  store i64 -1, ptr %652, align 8
+  br label %653
+
+653:
+  %654 = phi i8 [ %650, %638 ], [ %608, %651 ], [ %608, %606 ]
+  %655 = add nuw nsw i64 %607, 1
+  %656 = icmp eq i64 %655, 8
+  br i1 %656, label %657, label %606
+
+657:
+  %658 = phi i8 [ %355, %400 ], [ %654, %653 ]
+  br i1 %401, label %659, label %354
+
+659:
+  %660 = add nuw nsw i64 %44, 1
+  %661 = load i64, ptr %4, align 8
+  %662 = icmp slt i64 %660, %661
+  br i1 %662, label %43, label %42
+
+663:
   ret ptr null
 }
 
@@ -2415,8 +2435,6 @@ define internal fastcc void @give_lane(ptr nocapture noundef readonly %0, ptr no
 92:
   ret void
 }
-
-declare noalias noundef ptr @realloc(ptr allocptr nocapture noundef, i64 noundef) local_unnamed_addr
 
 declare i64 @llvm.smin.i64(i64, i64)
 
