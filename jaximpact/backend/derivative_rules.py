@@ -39,7 +39,7 @@ from . import NATIVE, Engine
 from .known_results import results_of
 from .many_leaves import are_many, change_of_rows
 from .native_backend import compile_side_by_side, computes_on_cpu
-from .request import Request, request
+from .request import Request, request, row_of
 from .rows import columns_of, refuse_second_order, values_of
 from .simd import KernelSet
 
@@ -210,9 +210,11 @@ def _solve_jvp(wanted: Request, primals, tangents):
     if are_many(wanted, values, list(steps)):
         if in_jax:
             rows = _solve(wanted, values, times)
+            length = rows[0][row_of(wanted, "steps")]
         else:
-            rows = _stacked(values_of(wanted, values, times, in_jax))
-        return rows, [change_of_rows(wanted, values, rows[0], steps)]
+            solution = values_of(wanted, values, times, in_jax)
+            rows, length = _stacked(solution), solution.numbers.steps
+        return rows, [change_of_rows(wanted, values, length, steps)]
     solution, columns = columns_of(wanted, values, times, list(steps), in_jax)
     rows = _stacked(solution)
     if not in_jax:  # what is transposed later is outside of `own_settings`

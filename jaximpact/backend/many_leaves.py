@@ -31,7 +31,7 @@ from ..impact.reduced_models import PLANAR
 from ..impact.results import empty_summary
 from .kernel_choice import choose, groups_of_leaves
 from .native_backend import computes_on_cpu
-from .request import Request
+from .request import Request, row_of
 from .rows import columns_of, refuse_second_order, run_by
 from .shipped import is_shipped
 from .simd import ALONG_INPUTS, Mode
@@ -72,13 +72,17 @@ clear_when_edited(_has_code.cache_clear)
 
 
 def change_of_rows(
-    wanted: Request, values: Sequence, rows: Array, steps: dict[int, Any]
+    wanted: Request, values: Sequence, length, changes: dict[int, Any]
 ) -> Array:
-    """Return the changes of rows of numbers with steps of some leaves, as an operation
-    that is linear in these."""
-    many = _ManyLeaves(wanted, tuple(steps))
+    """Return the changes of rows of numbers with those of some leaves, as an operation
+    that is linear in these.
+
+    Args:
+        length: steps that each impact takes.
+    """
+    many = _ManyLeaves(wanted, tuple(changes))
     # Those that take most steps begin first, beside others that take as many.
-    operands = [*values, -many.numbers_in(rows).steps, *steps.values()]
+    operands = [*values, -length, *changes.values()]
     shape = broadcast_shapes(*map(np.shape, operands))
     of_lanes = [
         x if np.shape(x) == shape else namespace_of(x).broadcast_to(x, shape)
@@ -96,13 +100,9 @@ class _ManyLeaves:
 
     def __init__(self, wanted: Request, varied: tuple[int, ...]):
         self.wanted, self.varied = wanted, varied
-        self.structure = jax.tree.structure(empty_summary(wanted.ledger))
-        self.rows = self.structure.num_leaves
+        self.rows = jax.tree.structure(empty_summary(wanted.ledger)).num_leaves
         self.known = len(wanted.places) + 1
         """Operands in which the operations are not linear."""
-
-    def numbers_in(self, rows):
-        return jax.tree.unflatten(self.structure, rows[: self.rows])
 
     def shares(self) -> list[list[int]]:
         """Divide the leaves among runs: derivatives by damping ratios need dashpots,
@@ -179,7 +179,7 @@ class _ManyLeaves:
         xp, of_failed = namespace_of(*values, *rows), 0.0
         for value in values:
             of_failed = xp.where(xp.isnan(value), xp.nan, of_failed)
-        failed = xp.isnan(self.numbers_in(rows).duration)
+        failed = xp.isnan(rows[row_of(self.wanted, "duration")])
         by_leaf = rows[self.rows :]
         return {place: xp.where(failed, of_failed, by_leaf[place]) for place in share}
 

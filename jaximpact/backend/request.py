@@ -64,6 +64,13 @@ def _structure(ledger: LedgerItems, sampled: bool):
     return jax.tree.structure(Solution(empty_summary(ledger), samples))
 
 
+def row_of(wanted: Request, name: str) -> int:
+    """Return the place of a number among the rows of an impact."""
+    structure = _structure(wanted.ledger, False)
+    rows = jax.tree.unflatten(structure, range(structure.num_leaves))
+    return getattr(rows.numbers, name)
+
+
 def request(
     structure,
     leaves,
