@@ -348,7 +348,7 @@ static int keep(const Program *program, const double *work, Way *way, int column
 }
 
 /* Steps lanes, all from their start, to their ends; 0 if there is no memory for the
- * way. */
+ * way. A step must leave a lane that has ended as it is: it waits here for the others. */
 static int go_there(const Program *program, Columns *columns, Way *ways, Mask full)
 {
     double *work = columns->work, *accepted = work + PACK * program->accepted;

@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 53231f9c03309006dd5ed832940d791fe59b78d8ce271205f92e51608a3a9657
+; Made from driver.c by 'make driver'; sha256 55c8e4ee97f2fe2317750ce451d3393586cc9d131f493dd9819b33a9cc93eff0
 
 %struct.Operation = type { i64, [32 x %struct.Program], [32 x i64], ptr, ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double], ptr, ptr, ptr, ptr, i64, i64 }
