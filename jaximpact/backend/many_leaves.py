@@ -105,8 +105,8 @@ class _ManyLeaves:
         """Operands in which the operations are not linear."""
 
     def shares(self) -> list[list[int]]:
-        """Divide the leaves among runs: derivatives by damping ratios need dashpots,
-        others no more than the values do."""
+        """Divide the leaves among runs: derivatives by damping ratios need dashpots.
+        All others have one model, that which the most general of them needs."""
         _, damping, _ = groups_of_leaves(self.wanted.structure)
         shares = [[], []]
         for place in self.varied:
@@ -229,16 +229,30 @@ def _once_only(many: _ManyLeaves, tangents: Sequence) -> list:
     return [ad.instantiate_zeros(tangent) for tangent in tangents[many.known :]]
 
 
-def _batch_of(operands: Sequence, axes: Sequence) -> list:
-    """Put the axis of `jax.vmap` before those of the lanes; it has length 1 where an
-    operand has none."""
+def _batch_of(operands: Sequence, axes: Sequence, many: _ManyLeaves) -> list:
+    """Put the axis of `jax.vmap` before those of the lanes. An operand without it has
+    one of length 1; of what is linear JAX must see that it stands for all, to add up
+    what is transposed."""
     lanes = operands[0].ndim - (axes[0] is not None)
-    return [
-        jnp.expand_dims(operand, operand.ndim - lanes)
-        if axis is None
-        else jnp.moveaxis(operand, axis, operand.ndim - 1 - lanes)
-        for operand, axis in zip(operands, axes, strict=True)
-    ]
+    size, batch = _size_of(operands, axes), []
+    for place, (operand, axis) in enumerate(zip(operands, axes, strict=True)):
+        front = operand.ndim - lanes - (axis is not None)
+        if axis is not None:
+            operand = jnp.moveaxis(operand, axis, front)
+        else:
+            operand = jnp.expand_dims(operand, front)
+            if place >= many.known:
+                shape = operand.shape
+                shape = (*shape[:front], size, *shape[front + 1 :])
+                operand = jnp.broadcast_to(operand, shape)
+        batch.append(operand)
+    return batch
+
+
+def _size_of(operands: Sequence, axes: Sequence):
+    """Return the size of the axis of `jax.vmap`."""
+    sizes = zip(operands, axes, strict=True)
+    return next(x.shape[axis] for x, axis in sizes if axis is not None)
 
 
 def _is_jacobian(operands, axes, run: int, others: int, many: _ManyLeaves) -> bool:
@@ -246,8 +260,7 @@ def _is_jacobian(operands, axes, run: int, others: int, many: _ManyLeaves) -> bo
     runs would take longer than derivatives one by one."""
     if any(axis is not None for axis in axes[: many.known]):
         return False
-    sizes = zip(operands, axes, strict=True)
-    size = next(x.shape[axis] for x, axis in sizes if axis is not None)
+    size = _size_of(operands, axes)
     # A size that is a symbol is not known.
     return isinstance(size, int) and run * size > others
 
@@ -274,7 +287,7 @@ def _changes_transposed(cotangents, *operands, many: _ManyLeaves):
 
 def _changes_batched(operands, axes, *, many: _ManyLeaves):
     if not _is_jacobian(operands, axes, RUN_FORWARD, len(many.varied), many):
-        return _changes.bind(*_batch_of(operands, axes), many=many), 1
+        return _changes.bind(*_batch_of(operands, axes, many), many=many), 1
     columns = many.columns(operands[: many.known - 1], in_jax=True)
     of_steps = jax.vmap(functools.partial(_along, columns), (axes[many.known :],), 1)
     return of_steps(operands[many.known :]), 1
@@ -309,7 +322,7 @@ def _gradient_transposed(steps, *operands, many: _ManyLeaves):
 def _gradient_batched(operands, axes, *, many: _ManyLeaves):
     count = len(many.varied)
     if not _is_jacobian(operands, axes, RUN_BACKWARD, count, many):
-        gradient = _gradient.bind(*_batch_of(operands, axes), many=many)
+        gradient = _gradient.bind(*_batch_of(operands, axes, many), many=many)
         return gradient, [0] * count
     columns = many.columns(operands[: many.known - 1], in_jax=True)
     of_cotangents = jax.vmap(functools.partial(_summed, columns), axes[-1])

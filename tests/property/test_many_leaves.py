@@ -159,6 +159,40 @@ def test_few_cotangents_and_few_steps_take_runs(monkeypatch, at_once):
     np.testing.assert_allclose(back_again((steps,))[0], changes, rtol=1e-7)
 
 
+def shared(soil: Soil, speeds, angles):
+    """A sum over impacts on one ground, by an axis of `vmap` for each of the two."""
+
+    def of_one(speed, angle):
+        block, impact = Block(aspect_ratio=2.0), Impact(speed=speed, angle=angle)
+        return FAST(Scene(block, soil, impact)).e_n
+
+    of_speeds = jax.vmap(of_one, (0, None))
+    return jnp.sum(jax.vmap(of_speeds, (None, 0))(speeds, angles))
+
+
+def test_what_impacts_share_is_added_up(one_by_one):
+    """Also in derivatives by a step that the impacts share, and of a Jacobian."""
+    speeds, angles = jnp.linspace(5.0, 20.0, 3), jnp.array([0.2, 0.5])
+    soil, steps = Soil(), jax.tree.map(lambda x: 0.1 * x, Soil())
+
+    def of_each(soil):
+        return jax.vmap(lambda speed: shared(soil, speed[None], angles))(speeds)
+
+    def along(steps):
+        return jnp.sum(jax.jvp(of_each, (soil,), (steps,))[1])
+
+    def gradient(soil):
+        return jax.grad(shared)(soil, speeds, angles)
+
+    found = [gradient(soil), jax.jit(gradient)(soil), jax.jit(jax.grad(along))(steps)]
+    by_rows = jax.jit(jax.jacrev(of_each))(soil)
+    found.append(jax.tree.map(lambda rows: jnp.sum(rows, 0), by_rows))
+    one_by_one()
+    expected = jax.grad(lambda soil: shared(soil, speeds, angles))(soil)
+    for each in found:
+        assert_close(each, expected)
+
+
 def test_lanes_do_not_depend_on_their_neighbours(at_once):
     """To the last bit, whatever is beside a lane, in which order lanes begin, and alone
     outside of `jit`."""
