@@ -4,7 +4,7 @@ The derivative is taken for those inputs only that are being differentiated
 (`jax.custom_jvp` with symbolic zeros). Of up to six it is taken forward through the
 integration, one by one. What remains is linear, so that JAX can transpose it:
 `jax.grad` costs as much as `jax.jacfwd` does, in proportion to their number. Of more
-(`many_leaves`) a gradient is drawn back through the steps, at the cost of six values.
+(`many_leaves`) a gradient takes one run in reverse mode, at the cost of six values.
 """
 
 import functools
@@ -154,9 +154,10 @@ def _solved(
     wanted, values = request(structure, leaves, accuracy, ledger, engine, sampled)
     if any(isinstance(value, Tracer) for value in (*values, times)):
         known = None if sampled else known_primals(values)
-        varied = _traced_places(wanted, values)
-        if known is not None and not are_many(wanted, known, varied):
-            return wanted.solution(_known_rows(wanted, values, known))
+        of_values = zip(wanted.places, values, strict=True)
+        varied = {place: x for place, x in of_values if isinstance(x, Tracer)}
+        if known is not None and not are_many(wanted, known, [*varied]):
+            return wanted.solution(_known_rows(wanted, varied, known))
         return wanted.solution(_rows_of(*_solve(wanted, values, times)))
     # Nothing to differentiate: half the time of a call would go into asking. Handing
     # over the numbers of a single impact one by one would take as long as the impact.
@@ -165,19 +166,9 @@ def _solved(
     return jax.device_put(values_of(wanted, values, times, in_jax=False))
 
 
-def _traced_places(wanted: Request, values: list) -> list[int]:
-    of_values = zip(wanted.places, values, strict=True)
-    return [place for place, value in of_values if isinstance(value, Tracer)]
-
-
-def _known_rows(wanted: Request, values: list, known: list) -> list[Array]:
+def _known_rows(wanted: Request, varied: dict[int, Tracer], known: list) -> list[Array]:
     """Compute rows of numbers where JAX differentiates outside of `jit`: all is known,
     and rows and derivatives are computed without JAX."""
-    varied = {
-        place: value
-        for place, value in zip(wanted.places, values, strict=True)
-        if isinstance(value, Tracer)
-    }
     known = [np.asarray(value) for value in known]
     solution, columns = columns_of(wanted, known, None, list(varied), in_jax=False)
     rows = np.array(jax.tree.leaves(solution))

@@ -30,7 +30,7 @@ from .simd import (
     Mode,
     Reverse,
     compile_code,
-    compile_way_back,
+    compile_reverse,
 )
 
 
@@ -54,7 +54,7 @@ def code_of_lanes(
         derivatives = Derivatives(MOST_DIRECTIONS, range(leaves), changing)
         return compile_code(functions, inputs, derivatives, thorough)
     reverse = Reverse(range(leaves), changing, accepted_step, _accepted_of)
-    return compile_way_back(functions, inputs, reverse, thorough)
+    return compile_reverse(functions, inputs, reverse, thorough)
 
 
 def _time_of(lanes: Lanes):

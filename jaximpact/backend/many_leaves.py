@@ -105,8 +105,8 @@ class _ManyLeaves:
         """Operands in which the operations are not linear."""
 
     def shares(self) -> list[list[int]]:
-        """Divide the leaves among runs: derivatives by damping ratios need dashpots.
-        All others have one model, that which the most general of them needs."""
+        """Divide the leaves among runs: derivatives with respect to damping ratios need
+        dashpots. All others share one model, that of the most general of them."""
         _, damping, _ = groups_of_leaves(self.wanted.structure)
         shares = [[], []]
         for place in self.varied:
@@ -114,7 +114,8 @@ class _ManyLeaves:
         return [share for share in shares if share]
 
     def columns(self, values: Sequence, in_jax: bool, places: Sequence[int] = ()):
-        """Compute the derivatives of the rows by each of the leaves, or of some."""
+        """Compute the derivatives of the rows with respect to each of the leaves, or of
+        some."""
         places = list(places or self.varied)
         _, columns = columns_of(self.wanted, [*values], None, places, in_jax)
         return [column for (column,) in columns]
@@ -146,7 +147,7 @@ class _ManyLeaves:
         return functools.reduce(lambda a, b: a + b, changes)
 
     def gradient(self, *operands, in_jax: bool) -> list:
-        """Compute the gradient, by each of the leaves, of the sum of the rows times
+        """Compute the gradient, with respect to leaves, of the sum of the rows times
         their cotangents."""
         *values, effort = operands[: self.known]
         cotangents, of_leaf = operands[self.known], {}
@@ -180,12 +181,12 @@ class _ManyLeaves:
         for value in values:
             of_failed = xp.where(xp.isnan(value), xp.nan, of_failed)
         failed = xp.isnan(rows[row_of(self.wanted, "duration")])
-        by_leaf = rows[self.rows :]
-        return {place: xp.where(failed, of_failed, by_leaf[place]) for place in share}
+        of_leaves = rows[self.rows :]
+        return {place: xp.where(failed, of_failed, of_leaves[place]) for place in share}
 
 
 def _along(columns: Sequence, steps: Sequence):
-    """Add up derivatives by leaves times steps of the leaves."""
+    """Add up derivatives with respect to leaves times steps of the leaves."""
     products = (c * step for c, step in zip(columns, steps, strict=True))
     return functools.reduce(lambda a, b: a + b, products)
 

@@ -141,21 +141,21 @@ def test_few_cotangents_and_few_steps_take_runs(monkeypatch, at_once):
     costs less than derivatives one by one."""
     one = jax.tree.map(operator.itemgetter(3), scenes())
     weights = jnp.array([[1.0, 0.0, 2.0, -1.0], [0.5, 1.0, 0.0, 3.0]])
-    _, draw_back = jax.vjp(of_one, one)
-    expected = jax.vmap(draw_back)(weights)
+    _, pull_back = jax.vjp(of_one, one)
+    expected = jax.vmap(pull_back)(weights)
     _, along = jax.linearize(of_one, one)
     steps = jax.tree.map(lambda x: x * jnp.array([0.1, -0.2]), one)
     changes = jax.vmap(along)(steps)
     monkeypatch.setattr(many_leaves, "RUN_FORWARD", 0)
     monkeypatch.setattr(many_leaves, "RUN_BACKWARD", 0)
-    assert_close(jax.vmap(draw_back)(weights), expected)
-    assert_close(jax.jit(jax.vmap(draw_back))(weights), expected)
+    assert_close(jax.vmap(pull_back)(weights), expected)
+    assert_close(jax.jit(jax.vmap(pull_back))(weights), expected)
     np.testing.assert_allclose(jax.vmap(along)(steps), changes, rtol=1e-7)
     # The two are the transposes of each other, twice over.
     product = np.vdot(changes, weights)
     pairs = zip(*map(jax.tree.leaves, (expected[0], steps)), strict=True)
     assert np.isclose(sum(np.vdot(x, y) for x, y in pairs), product, rtol=1e-7)
-    back_again = jax.linear_transpose(jax.vmap(draw_back), weights)
+    back_again = jax.linear_transpose(jax.vmap(pull_back), weights)
     np.testing.assert_allclose(back_again((steps,))[0], changes, rtol=1e-7)
 
 

@@ -11,7 +11,7 @@ from .kernel import (
     Retries,
     compile_code,
     compile_kernel,
-    compile_way_back,
+    compile_reverse,
 )
 from .kernel_set import ALONG_INPUTS, KernelSet, Waiting
 from .object_files import keep_objects
@@ -34,7 +34,7 @@ __all__ = [
     "Waiting",
     "compile_code",
     "compile_kernel",
-    "compile_way_back",
+    "compile_reverse",
     "compiling_for",
     "host",
     "keep_objects",

@@ -43,19 +43,19 @@ typedef struct {
     /* Code of the outcome `failed`, steps after which it stands, and the factors of the
      * tolerance with which it is tried again. */
     double failed, most_steps, retries[RETRIES];
-    /* Of lanes that go back once they have come to their end; NULL for others. The way
-     * back has the steps that were accepted, which a row counts, from the last to the
-     * first: so many rows of what each began with are kept. */
+    /* Of the reverse sweep, from the ends of lanes; NULL where there is none. It has the
+     * steps that were accepted, which a row counts, from the last to the first: a tape
+     * has so many rows of what each began with. */
     Function from_end, over_step, to_start;
-    const int64_t *kept_rows;
-    int64_t kept, accepted;
+    const int64_t *taped_rows;
+    int64_t taped, accepted;
 } Program;
 
 /* What the accepted steps of a column began with. */
 typedef struct {
     double *rows; /* those of a step side by side */
     int64_t steps, room;
-} Way;
+} Tape;
 
 /* Lanes under way. */
 typedef struct {
@@ -327,29 +327,29 @@ static void go_on(Job *job, int64_t place, Columns *columns)
     }
 }
 
-/* Keeps what the next step begins with; 0 if there is no memory for it. */
-static int keep(const Program *program, const double *work, Way *way, int column)
+/* Records what the next step begins with; 0 if there is no memory for it. */
+static int record(const Program *program, const double *work, Tape *tape, int column)
 {
-    if (way->steps == way->room) {
-        int64_t room = way->room ? 2 * way->room : 64;
-        double *rows = malloc(sizeof(double) * program->kept * room);
+    if (tape->steps == tape->room) {
+        int64_t room = tape->room ? 2 * tape->room : 64;
+        double *rows = malloc(sizeof(double) * program->taped * room);
         if (!rows)
             return 0;
-        for (int64_t k = 0; k < program->kept * way->steps; k++)
-            rows[k] = way->rows[k];
-        free(way->rows);
-        way->rows = rows;
-        way->room = room;
+        for (int64_t k = 0; k < program->taped * tape->steps; k++)
+            rows[k] = tape->rows[k];
+        free(tape->rows);
+        tape->rows = rows;
+        tape->room = room;
     }
-    double *kept = way->rows + program->kept * way->steps;
-    for (int64_t k = 0; k < program->kept; k++)
-        kept[k] = work[PACK * program->kept_rows[k] + column];
+    double *taped = tape->rows + program->taped * tape->steps;
+    for (int64_t k = 0; k < program->taped; k++)
+        taped[k] = work[PACK * program->taped_rows[k] + column];
     return 1;
 }
 
-/* Steps lanes, all from their start, to their ends; 0 if there is no memory for the
- * way. A step must leave a lane that has ended as it is: it waits here for the others. */
-static int go_there(const Program *program, Columns *columns, Way *ways, Mask full)
+/* Forward sweep: steps lanes, all from their start, to their ends; 0 if there is no
+ * memory for the tapes. A step must leave a lane that has ended as it is: it waits here for the others. */
+static int sweep_forward(const Program *program, Columns *columns, Tape *tapes, Mask full)
 {
     double *work = columns->work, *accepted = work + PACK * program->accepted;
     Mask going = full, again = full;
@@ -358,77 +358,78 @@ static int go_there(const Program *program, Columns *columns, Way *ways, Mask fu
             program->begin(work, again, 0);
         again = 0;
         for (int column = 0; column < PACK; column++)
-            if (going >> column & 1 && !keep(program, work, &ways[column], column))
+            if (going >> column & 1 && !record(program, work, &tapes[column], column))
                 return 0;
         Mask ends = going & ~program->step(work, going, 0);
         for (int column = 0; column < PACK; column++)
             if (going >> column & 1)
-                ways[column].steps = (int64_t)accepted[column];
+                tapes[column].steps = (int64_t)accepted[column];
         if (!ends)
             continue;
         program->finish(work, ends, 0);
         for (int column = 0; column < PACK; column++)
             if (ends >> column & 1 && begins_again(program, columns, column)) {
                 again |= 1 << column;
-                ways[column].steps = 0;
+                tapes[column].steps = 0;
             }
         going &= ~(ends & ~again);
     }
     return 1;
 }
 
-/* Draws cotangents back over the steps of lanes that are at their ends. */
-static void go_back(const Program *program, double *work, const Way *ways, Mask full)
+/* Reverse sweep: propagates cotangents back over the steps of lanes that are at their
+ * ends. */
+static void sweep_back(const Program *program, double *work, const Tape *tapes, Mask full)
 {
     int64_t step = 0;
     program->from_end(work, full, 0);
     for (int column = 0; column < PACK; column++)
-        if (full >> column & 1 && ways[column].steps > step)
-            step = ways[column].steps;
+        if (full >> column & 1 && tapes[column].steps > step)
+            step = tapes[column].steps;
     while (step-- > 0) {
-        Mask on_way = 0;
+        Mask on_tape = 0;
         for (int column = 0; column < PACK; column++) {
-            if (!(full >> column & 1) || step >= ways[column].steps)
+            if (!(full >> column & 1) || step >= tapes[column].steps)
                 continue;
-            on_way |= 1 << column;
-            const double *kept = ways[column].rows + program->kept * step;
-            for (int64_t k = 0; k < program->kept; k++)
-                work[PACK * program->kept_rows[k] + column] = kept[k];
+            on_tape |= 1 << column;
+            const double *taped = tapes[column].rows + program->taped * step;
+            for (int64_t k = 0; k < program->taped; k++)
+                work[PACK * program->taped_rows[k] + column] = taped[k];
         }
-        program->over_step(work, on_way, 0);
+        program->over_step(work, on_tape, 0);
     }
     program->to_start(work, full, 0);
 }
 
-/* Takes lanes of a program to their ends and back, those of all columns together, until
- * none waits. Lanes side by side have about as many steps: they are in the order of their
+/* Sweeps lanes of a program forward and back, those of all columns together, until none
+ * waits. Lanes side by side have about as many steps: they are in the order of their
  * effort. */
-static void go_there_and_back(Job *job, int64_t place, Columns *columns)
+static void sweep_both_ways(Job *job, int64_t place, Columns *columns)
 {
     const Program *program = &job->operation->programs[place];
-    Way ways[PACK] = {{0}};
+    Tape tapes[PACK] = {{0}};
     for (;;) {
         Mask full = 0;
         for (int column = 0; column < PACK && take_lane(job, place, columns, column); column++) {
             full |= 1 << column;
-            ways[column].steps = columns->tries[column] = columns->sampled[column] = 0;
+            tapes[column].steps = columns->tries[column] = columns->sampled[column] = 0;
             if (program->tolerance >= 0)
                 columns->tolerance[column] =
                     columns->work[PACK * program->tolerance + column];
         }
         if (!full)
             break;
-        if (!go_there(program, columns, ways, full)) {
+        if (!sweep_forward(program, columns, tapes, full)) {
             job->out_of_memory = 1;
             break;
         }
-        go_back(program, columns->work, ways, full);
+        sweep_back(program, columns->work, tapes, full);
         for (int column = 0; column < PACK; column++)
             if (full >> column & 1)
                 give_lane(job, program, columns, column);
     }
     for (int column = 0; column < PACK; column++) {
-        free(ways[column].rows);
+        free(tapes[column].rows);
         columns->lane[column] = -1;
     }
 }
@@ -454,7 +455,7 @@ static void *work(void *argument)
         columns.lane[column] = -1;
     for (int64_t place = 0; place < all->count; place++) {
         if (all->programs[place].over_step)
-            go_there_and_back(job, place, &columns);
+            sweep_both_ways(job, place, &columns);
         else
             go_on(job, place, &columns);
     }

@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 55c8e4ee97f2fe2317750ce451d3393586cc9d131f493dd9819b33a9cc93eff0
+; Made from driver.c by 'make driver'; sha256 7b05ef21789c858440d67e085f01262558d0606a2b1b791a23b059ff73a9026f
 
 %struct.Operation = type { i64, [32 x %struct.Program], [32 x i64], ptr, ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double], ptr, ptr, ptr, ptr, i64, i64 }
@@ -7,7 +7,7 @@
 %struct.Rows = type { ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr }
 %struct.Turn = type { double, i64, i64 }
 %struct.anon = type { i64, ptr, ptr, i32 }
-%struct.Way = type { ptr, i64, i64 }
+%struct.Tape = type { ptr, i64, i64 }
 %struct.Columns = type { ptr, [8 x i64], [8 x i64], [8 x double], [8 x i64], [8 x i64] }
 %struct.Course = type { ptr, i64, i64, double }
 
@@ -1176,7 +1176,7 @@ define internal i32 @longer_first(ptr nocapture noundef readonly %0, ptr nocaptu
 }
 
 define internal ptr @work(ptr nocapture noundef %0) {
-  %2 = alloca [8 x %struct.Way], align 16
+  %2 = alloca [8 x %struct.Tape], align 16
   %3 = alloca %struct.Columns, align 8
   %4 = load ptr, ptr %0, align 8
   %5 = load i64, ptr %4, align 8
@@ -1289,7 +1289,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   store i64 0, ptr %78, align 8
   %79 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %66
   store i64 0, ptr %79, align 8
-  %80 = getelementptr inbounds [8 x %struct.Way], ptr %2, i64 0, i64 %66, i32 1
+  %80 = getelementptr inbounds [8 x %struct.Tape], ptr %2, i64 0, i64 %66, i32 1
   store i64 0, ptr %80, align 8
   %81 = load i64, ptr %51, align 8
   %82 = icmp sgt i64 %81, -1
@@ -1346,10 +1346,10 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br i1 %115, label %166, label %116
 
 116:
-  %117 = getelementptr inbounds %struct.Way, ptr %2, i64 %111
-  %118 = getelementptr inbounds %struct.Way, ptr %2, i64 %111, i32 1
+  %117 = getelementptr inbounds %struct.Tape, ptr %2, i64 %111
+  %118 = getelementptr inbounds %struct.Tape, ptr %2, i64 %111, i32 1
   %119 = load i64, ptr %118, align 8
-  %120 = getelementptr inbounds %struct.Way, ptr %2, i64 %111, i32 2
+  %120 = getelementptr inbounds %struct.Tape, ptr %2, i64 %111, i32 2
   %121 = load i64, ptr %120, align 8
   %122 = icmp eq i64 %119, %121
   br i1 %122, label %123, label %146
@@ -1444,7 +1444,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %183 = getelementptr inbounds double, ptr %100, i64 %177
   %184 = load double, ptr %183, align 8
   %185 = fptosi double %184 to i64
-  %186 = getelementptr inbounds %struct.Way, ptr %2, i64 %177, i32 1
+  %186 = getelementptr inbounds %struct.Tape, ptr %2, i64 %177, i32 1
   store i64 %185, ptr %186, align 8
   br label %187
 
@@ -1523,7 +1523,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   store i64 0, ptr %240, align 8
   %241 = trunc i32 %202 to i8
   %242 = or i8 %200, %241
-  %243 = getelementptr inbounds %struct.Way, ptr %2, i64 %199, i32 1
+  %243 = getelementptr inbounds %struct.Tape, ptr %2, i64 %199, i32 1
   store i64 0, ptr %243, align 8
   br label %244
 
@@ -1563,7 +1563,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br i1 %265, label %270, label %266
 
 266:
-  %267 = getelementptr inbounds %struct.Way, ptr %2, i64 %260, i32 1
+  %267 = getelementptr inbounds %struct.Tape, ptr %2, i64 %260, i32 1
   %268 = load i64, ptr %267, align 8
   %269 = tail call i64 @llvm.smax.i64(i64 %268, i64 %261)
   br label %270
@@ -1595,13 +1595,13 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br i1 %287, label %314, label %288
 
 288:
-  %289 = getelementptr inbounds %struct.Way, ptr %2, i64 %282, i32 1
+  %289 = getelementptr inbounds %struct.Tape, ptr %2, i64 %282, i32 1
   %290 = load i64, ptr %289, align 8
   %291 = icmp sgt i64 %275, %290
   br i1 %291, label %314, label %292
 
 292:
-  %293 = getelementptr inbounds %struct.Way, ptr %2, i64 %282
+  %293 = getelementptr inbounds %struct.Tape, ptr %2, i64 %282
   %294 = trunc i32 %285 to i8
   %295 = or i8 %283, %294
   %296 = load ptr, ptr %293, align 8
@@ -1660,7 +1660,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 
 331:
   %332 = phi i64 [ 0, %330 ], [ %335, %331 ]
-  %333 = getelementptr inbounds [8 x %struct.Way], ptr %2, i64 0, i64 %332
+  %333 = getelementptr inbounds [8 x %struct.Tape], ptr %2, i64 0, i64 %332
   %334 = load ptr, ptr %333, align 8
   tail call void @free(ptr noundef %334)
   %335 = add nuw nsw i64 %332, 1

@@ -29,8 +29,8 @@ class Program(ctypes.Structure):
         *((name, DOUBLE) for name in ("failed", "most_steps")),
         ("retries", DOUBLE * MOST_RETRIES),
         *((name, POINTER) for name in ("from_end", "over_step", "to_start")),
-        ("kept_rows", POINTER),
-        *((name, INTEGER) for name in ("kept", "accepted")),
+        ("taped_rows", POINTER),
+        *((name, INTEGER) for name in ("taped", "accepted")),
     )
 
 

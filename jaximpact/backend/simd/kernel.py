@@ -23,15 +23,15 @@ from .llvm_ir import HALF, PACK, rows_read
 from .lower_jaxpr import Translator
 from .object_files import compile_functions, lanes_for, load, vectors_of
 from .parts import Output, Rows
-from .reverse import Reverse, way_back
+from .reverse import Reverse, reverse_sweep
 
 MOST_DIRECTIONS = 8
 """Derivatives that share a run of an impact. Each costs some three quarters of the
 value, and each needs 13 KB for eight lanes, which the processor's caches must hold."""
 
 
-WAY_THERE = "begin", "step", "finish", "sample"
-WAY_BACK = "from_end", "over_step", "to_start"
+FORWARD_SWEEP = "begin", "step", "finish", "sample"
+REVERSE_SWEEP = "from_end", "over_step", "to_start"
 """Names of functions, as in `Program`."""
 
 
@@ -63,10 +63,9 @@ class Code(NamedTuple):
     """Row of the state that holds the time reached; -1 where nothing is sampled."""
     sampled_rows: int = 0
     accepted_row: int = -1
-    """Row of the state that counts the steps accepted; -1 where lanes do not go back.
-    """
-    kept_rows: tuple[int, ...] = ()
-    """Rows of which lanes that go back keep what each step begins with."""
+    """Row of the state that counts the steps accepted; -1 without a reverse sweep."""
+    taped_rows: tuple[int, ...] = ()
+    """Rows that are recorded, as they are where each step begins, for that sweep."""
 
 
 class Retries(NamedTuple):
@@ -108,11 +107,11 @@ class Kernel:
             sampled_rows=code.sampled_rows,
         )
         if code.accepted_row >= 0:
-            for name in WAY_BACK:
+            for name in REVERSE_SWEEP:
                 setattr(self.program, name, address(name))
-            self._kept_rows = np.array(code.kept_rows, np.int64)
-            self.program.kept_rows = self._kept_rows.ctypes.data
-            self.program.kept = len(code.kept_rows)
+            self._taped_rows = np.array(code.taped_rows, np.int64)
+            self.program.taped_rows = self._taped_rows.ctypes.data
+            self.program.taped = len(code.taped_rows)
             self.program.accepted = code.accepted_row
         if retries is not None:
             self.program.tolerance = retries.tolerance_row
@@ -137,9 +136,9 @@ class Kernel:
     def layout(self) -> bytes:
         """Description of the code for the driver, without addresses, as bytes."""
         layout = Program.from_buffer_copy(self.program)
-        for name in (*WAY_THERE, *WAY_BACK, "kept_rows"):
+        for name in (*FORWARD_SWEEP, *REVERSE_SWEEP, "taped_rows"):
             setattr(layout, name, None)
-        return bytes(layout) + repr(self.code.kept_rows).encode()
+        return bytes(layout) + repr(self.code.taped_rows).encode()
 
 
 class LaneFunctions(NamedTuple):
@@ -254,25 +253,25 @@ def _compiled(
     return code, results
 
 
-def compile_way_back(
+def compile_reverse(
     functions: LaneFunctions, inputs, reverse: Reverse, thorough: bool = False
 ) -> Code:
-    """Compile functions of lanes that come to their end and go back, for gradients of
-    what is made of their results; arguments as for `compile_code`.
+    """Compile functions of lanes that have a forward and a reverse sweep, for gradients
+    of what is made of their results; arguments as for `compile_code`.
 
     Behind the rows of inputs stand those of the cotangents of the results; behind the
     rows of results those of the cotangents of the inputs that vary.
     """
-    back = way_back(functions.begin, functions.finish, reverse)
+    sweep = reverse_sweep(functions.begin, functions.finish, reverse)
     begin, state = jax.make_jaxpr(functions.begin, return_shape=True)(inputs)
     step = jax.make_jaxpr(functions.step)(state)
     finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(inputs, state)
     try:
         from_end, (of_inputs, of_state) = jax.make_jaxpr(
-            back.from_end, return_shape=True
+            sweep.from_end, return_shape=True
         )(inputs, results, state)
-        over_step = jax.make_jaxpr(back.over_step)(state, of_state)
-        to_start = jax.make_jaxpr(back.to_start)(inputs, of_inputs, of_state)
+        over_step = jax.make_jaxpr(sweep.over_step)(state, of_state)
+        to_start = jax.make_jaxpr(sweep.to_start)(inputs, of_inputs, of_state)
     except Exception as error:  # of a user's law that has forward mode alone
         problem, *_ = (str(error) or repr(error)).splitlines()
         raise NoMachineCode(f"JAX has no reverse mode of it: {problem}") from error
@@ -309,7 +308,7 @@ def compile_way_back(
         layout.rows,
         max(x.spare_rows for x in written.values()),
         accepted_row=at_state.place_of(reverse.accepted, state),
-        kept_rows=tuple(sorted(written["over_step"].read & written["step"].changed)),
+        taped_rows=tuple(sorted(written["over_step"].read & written["step"].changed)),
     )
 
 

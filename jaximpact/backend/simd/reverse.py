@@ -1,12 +1,12 @@
-"""Gradients backwards: the cotangents of results, drawn back through a lane's steps.
+"""Gradients in reverse mode: cotangents of results, propagated back through the steps.
 
-A lane first goes to its end, and what its steps begin with is kept. Then the steps are
-gone through from the last to the first: a gradient with respect to all inputs costs
-some four times what the value does, however many inputs there are. A derivative along a
-direction costs three quarters of the value.
+A forward sweep takes a lane to its end, and records on a tape what each step begins
+with. A reverse sweep takes the steps from the last to the first: a gradient with
+respect to all inputs costs some four times what the value does, however many inputs
+there are. A derivative along a direction costs three quarters of the value.
 
-The functions are those of JAX (`jax.vjp`), traced for one lane as those of the way
-there are.
+The functions of the reverse sweep are those of `jax.vjp`, traced for one lane as those
+of the forward sweep are.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,8 +30,8 @@ class Reverse(NamedTuple):
     array of the state."""
 
 
-class WayBack(NamedTuple):
-    """Functions that draw cotangents back."""
+class ReverseSweep(NamedTuple):
+    """Functions that propagate cotangents back."""
 
     from_end: Callable
     """Function from inputs, cotangents of the results, and the state at the end to
@@ -44,8 +44,8 @@ class WayBack(NamedTuple):
     the start, to all cotangents of the inputs."""
 
 
-def way_back(begin: Callable, finish: Callable, reverse: Reverse) -> WayBack:
-    """Make the functions of the way back, for lanes that begin and finish so."""
+def reverse_sweep(begin: Callable, finish: Callable, reverse: Reverse) -> ReverseSweep:
+    """Make the functions of the reverse sweep, for lanes that begin and finish so."""
     of_inputs, of_state = reverse.inputs, reverse.state
 
     def from_end(inputs, cotangents, state):
@@ -54,31 +54,31 @@ def way_back(begin: Callable, finish: Callable, reverse: Reverse) -> WayBack:
             return finish(_with(inputs, of_inputs, varied_inputs), there)
 
         varied = _chosen(inputs, of_inputs), _chosen(state, of_state)
-        numbers, draw_back = jax.vjp(results, *varied)
+        numbers, pull_back = jax.vjp(results, *varied)
         # What is no number depends on nothing.
         known = jax.tree.map(
             lambda number, weight: jnp.where(jnp.isnan(number), 0.0, weight),
             numbers,
             cotangents,
         )
-        return draw_back(known)
+        return pull_back(known)
 
     def over_step(state, cotangents):
         def after(varied):
             return _chosen(reverse.advance(_with(state, of_state, varied)), of_state)
 
-        _, draw_back = jax.vjp(after, _chosen(state, of_state))
-        return draw_back(cotangents)[0]
+        _, pull_back = jax.vjp(after, _chosen(state, of_state))
+        return pull_back(cotangents)[0]
 
     def to_start(inputs, cotangents, of_start):
         def start(varied):
             return _chosen(begin(_with(inputs, of_inputs, varied)), of_state)
 
-        _, draw_back = jax.vjp(start, _chosen(inputs, of_inputs))
-        (further,) = draw_back(of_start)
+        _, pull_back = jax.vjp(start, _chosen(inputs, of_inputs))
+        (further,) = pull_back(of_start)
         return jax.tree.map(jnp.add, cotangents, further)
 
-    return WayBack(from_end, over_step, to_start)
+    return ReverseSweep(from_end, over_step, to_start)
 
 
 def _chosen(tree, places: Sequence[int]) -> list[Any]:

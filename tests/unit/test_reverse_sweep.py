@@ -11,7 +11,7 @@ from jaximpact.backend.simd import (
     LaneFunctions,
     NoMachineCode,
     Reverse,
-    compile_way_back,
+    compile_reverse,
 )
 
 LANES = 21
@@ -53,7 +53,7 @@ def finish(inputs, state):
 def gradient(finish=finish, advance=advance):
     reverse = Reverse((1,), (1, 2, 3), advance, lambda state: state[4])
     functions = LaneFunctions(begin, step, finish)
-    code = compile_way_back(functions, (jnp.ones(1), jnp.ones(1)), reverse)
+    code = compile_reverse(functions, (jnp.ones(1), jnp.ones(1)), reverse)
     kernels = KernelSet([Kernel(code, None)])
     return kernels.compute(np.concatenate([INPUTS, WEIGHTS]), 2)[0]
 
@@ -70,9 +70,9 @@ def test_gradients_are_those_of_jax():
     first, second, found = gradient()
     assert len({*np.floor(INPUTS[0])}) > 10
     for lane, (steps, factor) in enumerate(INPUTS.T[:11]):
-        results, draw_back = jax.vjp(lambda x, n=steps: results_of(x, n), factor)
+        results, pull_back = jax.vjp(lambda x, n=steps: results_of(x, n), factor)
         np.testing.assert_allclose((first[lane], second[lane]), results, rtol=1e-12)
-        expected = draw_back(tuple(WEIGHTS[:, lane]))
+        expected = pull_back(tuple(WEIGHTS[:, lane]))
         np.testing.assert_allclose(found[lane], *expected, rtol=1e-10)
 
 
