@@ -21,11 +21,37 @@ _NEUTRAL = {
     "div": ((1, 1.0),),
 }
 """Operands, and the value of each that leaves the other as it is."""
-_ELEMENTWISE = """
-    abs add and convert_element_type cos div eq exp ge gt integer_pow le log lt max min
-    mul ne neg not or pow select_n sign sin sqrt square sub
-"""
-"""Operations evaluated at once where all operands are known."""
+_IN_NUMPY = {
+    "abs": np.abs,
+    "add": np.add,
+    "and": np.bitwise_and,
+    "convert_element_type": np.asarray,
+    "cos": np.cos,
+    "div": np.divide,
+    "eq": np.equal,
+    "exp": np.exp,
+    "ge": np.greater_equal,
+    "gt": np.greater,
+    "integer_pow": np.power,
+    "le": np.less_equal,
+    "log": np.log,
+    "lt": np.less,
+    "max": np.maximum,
+    "min": np.minimum,
+    "mul": np.multiply,
+    "ne": np.not_equal,
+    "neg": np.negative,
+    "not": np.invert,
+    "or": np.bitwise_or,
+    "pow": np.power,
+    "sign": np.sign,
+    "sin": np.sin,
+    "sqrt": np.sqrt,
+    "square": np.square,
+    "sub": np.subtract,
+}
+"""Operations on floats and truths that are evaluated at once where all operands are
+known. JAX would compile a program for each of them, for some two seconds."""
 
 
 class _Known:
@@ -82,7 +108,7 @@ def _literal(atom: Literal):
 
 def _apply(equation, operands) -> list:
     """Return the results of one operation, as `_Known` where they can be."""
-    primitive, name = equation.primitive, equation.primitive.name
+    name = equation.primitive.name
     if not any(isinstance(x, _Known) for x in operands):
         return bind(equation, operands)
     if (inner := called(equation)) is not None:
@@ -91,10 +117,11 @@ def _apply(equation, operands) -> list:
     if all(isinstance(x, _Known) for x in operands):
         if name in ("broadcast_in_dim", "reshape"):
             return [_Known(operands[0].value, aval)]
-        if name in _ELEMENTWISE.split():
-            with jax.ensure_compile_time_eval():
-                scalars = [jnp.asarray(x.value) for x in operands]
-                return [_Known(primitive.bind(*scalars, **equation.params), aval)]
+        if name in _IN_NUMPY:
+            powers = [equation.params["y"]] if name == "integer_pow" else []
+            with np.errstate(all="ignore"):
+                value = _IN_NUMPY[name](*[x.value for x in operands], *powers)
+            return [_Known(value, aval)]
     if any(_is(operands[i], 0.0) for i in _ZERO_TIMES.get(name, ())):
         return [_Known(0.0, aval)]
     for place, neutral in _NEUTRAL.get(name, ()):
