@@ -130,7 +130,6 @@ def compile_native(
     }[mode]
     structure = jax.tree.structure(numbers)
     rows = jax.tree.unflatten(structure, range(structure.num_leaves))
-    # Of failed impacts, but for those that ran out of steps, and would do so again
     retries = Retries(
         assembly.structure.num_leaves,  # behind the leaves of a scene
         rows.outcome_code,

@@ -121,7 +121,10 @@ def prepare(scene: Scene) -> ImpactConstants:
     friction = soil.peak_friction(soil.friction_angle, soil.relative_density)
     start_side = None
     if block.shape.side_of(sin, cos) is not None:
-        start_side, _ = block.shape.side_towards(sin, cos, impact.angular_velocity)
+        # Without spin, friction turns the block.
+        spin = impact.angular_velocity
+        turning = jnp.where(spin == 0.0, impact.tangential_velocity, spin)
+        start_side, _ = block.shape.side_towards(sin, cos, turning)
     return ImpactConstants(
         soil=soil,
         shape=block.shape,

@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 
 from .._safe import safe_sqrt
 from .._types import Scalar
-from ..impact.dynamics import ARM, Work
+from ..impact.dynamics import ARM, INITIAL_SINKING, Work
 from ..impact.events import SWITCHED_OFF, Margins, at_start, branch_of
 from ..impact.problem import Observed, Problem, Watched
 from ..laws import Branch
@@ -26,6 +26,10 @@ Step = DenseOutput | SolverStep
 INITIAL_MARGIN = 1e-6
 """Margin that stands for those before the first step, whose true values may be less
 than what counts as zero."""
+SETTLED = 2.0 * INITIAL_SINKING
+"""Sinking over R from which normal forces count. Before, the load that the springs have
+at the start relaxes. It is nobody's result, and may be a thousand times as large as all
+that follows: under narrow contacts, where moduli go with the pressure."""
 PROGRESS = 0.01
 """Width over time reached above which a step at the onset is progress."""
 ONSET = 1e-3
@@ -39,7 +43,12 @@ class Fold(NamedTuple):
     """Quantities accumulated over the accepted steps."""
 
     peaks: Observed
+    """Largest values; that of the normal force counts from the step on in which the
+    foundation has sunk by `SETTLED`, where it comes to that."""
     peak_times: Observed
+    largest_force: Scalar
+    """Largest normal force, that of the start included [N]: the scale of margins and of
+    errors."""
     work: Work
     watched: Watched
     watched_rate: Watched
@@ -88,6 +97,7 @@ def cut(fold: Fold, by: Callable = jax.lax.stop_gradient) -> Fold:
         ),
         rates=by(fold.rates),
         turned=by(fold.turned),
+        largest_force=by(fold.largest_force),
         stalled=by(fold.stalled),
     )
 
@@ -106,6 +116,7 @@ def start_fold(problem: Problem, vector) -> Fold:
     fold = Fold(
         peaks=nothing._replace(normal_force=watched.observed.normal_force),
         peak_times=nothing,
+        largest_force=watched.observed.normal_force,
         work=Work(*[zero] * len(Work._fields)),
         watched=Watched(
             nothing,
@@ -133,14 +144,15 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
     width = step.t1 - step.t0
     rates = step.rate_at_end()
     watched, watched_rate = problem.watch_with_rate(
-        step.y1, rates, fold.peaks.normal_force, branch
+        step.y1, rates, fold.largest_force, branch
     )
     sides = _stacked(branch), _stacked(branch_of(watched.switches))
     is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
     turns = (sides[0] != sides[1]) & is_on
     turned = jnp.any(turns, axis=0)
     late = _time_since_switch(watched, watched_rate, turns, time + width)
-    peaks, times = [], []
+    peaks, times, largest_force = [], [], fold.largest_force
+    settled = SETTLED * problem.ground.axes.minor
     for name in Observed._fields:
         start, start_rate, end, end_rate = (
             getattr(of.observed, name)
@@ -165,6 +177,11 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
         when = fold.moved + time + place * width - late_here
         before, before_when = getattr(fold.peaks, name), getattr(fold.peak_times, name)
         higher = value > before
+        if name == "normal_force":
+            largest_force = jnp.where(value > largest_force, value, largest_force)
+            sinking = peaks[Observed._fields.index("sinking")]
+            settles = (fold.peaks.sinking <= settled) & (sinking > settled)
+            higher = higher | settles
         peaks.append(jnp.where(higher, value, before))
         times.append(jnp.where(higher, when, before_when))
     work = fold.work
@@ -182,6 +199,7 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
     fold = Fold(
         peaks=Observed(*peaks),
         peak_times=Observed(*times),
+        largest_force=largest_force,
         work=work,
         watched=watched,
         watched_rate=watched_rate,

@@ -69,10 +69,10 @@ def advance(
             width,
             branch,
             state.fold.stalled,
-            state.fold.peaks.normal_force,
+            state.fold.largest_force,
         )
     size = jnp.maximum(jnp.abs(state.vector), jnp.abs(vector))
-    allowed = problem.allowed_error(size, state.fold.peaks.normal_force)
+    allowed = problem.allowed_error(size, state.fold.largest_force)
     fold = fold_step(problem, state.fold, time, step, branch)
     vector = earlier(vector, fold.rates, state.fold.moved - fold.moved)
     vector = problem.on_next_side(vector, branch, fold.watched.switches)
@@ -186,7 +186,7 @@ def _moved_to_the_end(
 ) -> Fold:
     """Move the accumulators with the event's time: peaks that are reached as the impact
     ends, and the work up to then."""
-    watched = problem.watch(list(vector), fold.peaks.normal_force)
+    watched = problem.watch(list(vector), fold.largest_force)
     at_end = [reached >= time for reached in fold.peak_times]
     peaks = [
         jnp.where(ends, jnp.abs(value), peak)
@@ -261,7 +261,7 @@ def end_of(
         vector=vector,
         time=jax.lax.stop_gradient(time) + state.fold.moved - correction,
         fold=_moved_to_the_end(problem, state.fold, time, correction, vector),
-        margins=problem.margins(vector, state.fold.peaks.normal_force),
+        margins=problem.margins(vector, state.fold.largest_force),
         event=event,
         finished=finished & jnp.all(jnp.isfinite(vector)),
         steps=accepted,

@@ -292,6 +292,46 @@ def test_derivatives_on_a_level_face_are_one_sided():
     assert np.max(np.abs(slopes - behind)) > 0.05
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_derivatives_on_a_level_face_without_spin_are_those_of_the_way_it_turns(sign):
+    """Friction turns the block, to larger orientations where it comes from the left."""
+
+    def e_n(orientation):
+        block = Block(mass=500.0, shape=RectangularPrism(aspect_ratio=2.0))
+        impact = Impact(speed=10.0, angle=sign * 0.7, orientation=orientation)
+        return simulate(block, Soil(), impact, accuracy="reference").e_n
+
+    slope, step = float(jax.grad(e_n)(0.0)), sign * 1e-6
+    behind, here, ahead = (float(e_n(place)) for place in (-step, 0.0, step))
+    # Results are good to 1e-9 or so.
+    assert slope == pytest.approx((ahead - here) / step, rel=0.01)
+    assert slope != pytest.approx((here - behind) / step, rel=0.1)
+
+
+def test_the_load_at_the_start_is_no_largest_force():
+    """A grazing block, and the same with axes exchanged: it starts at 1e-6 of another
+    length, and its springs with another load, a hundred times that of the impact."""
+    ratio, other = 0.91868, 0.75284
+    soil = Soil(
+        **dict(gamma_v=19.894, c_v=4.7, k_E=3718.3, n_E=0.096973, poisson=0.13163),
+        **dict(friction_angle=0.5108, unit_weight=19450.0, relative_density=0.22756),
+        **dict(beta=0.81313, psi=0.54405, alpha_vT=3.4286, alpha_vR=0.82471),
+        alpha_s=1.3223,
+    )
+
+    def largest(shape, orientation):
+        impact = Impact(14.457, -1.3103, orientation, 8.9493, -0.67288)
+        block = Block(mass=4003.2, density=2731.5, shape=shape)
+        return float(simulate(block, soil, impact).max_normal_force)
+
+    as_it_is = largest(RectangularPrism(ratio, other), 2.9274)
+    exchanged = largest(
+        RectangularPrism(1.0 / ratio, other / ratio), 2.9274 + 0.5 * np.pi
+    )
+    # It sinks by ten times what it starts with.
+    assert as_it_is == pytest.approx(exchanged, rel=0.02)
+
+
 @pytest.mark.parametrize("kind", SHAPES)
 def test_sections_have_finite_derivatives_everywhere(kind):
     def numbers(ratio, theta, sinking):

@@ -118,6 +118,24 @@ def test_the_integration_converges_with_every_law(slot, kind, values):
     np.testing.assert_allclose(coarse.e_n, close.e_n, rtol=2e-4, atol=2e-4)
 
 
+def test_an_impact_that_stalls_is_tried_once_more():
+    """At this tolerance, or one beside it, steps at the onset never grow."""
+    soil = Soil(
+        loading_surface=known.SharperVertex(),
+        **dict(gamma_v=2.485542, c_v=0.4099751, k_E=7533.262, friction_angle=0.3635157),
+        **dict(unit_weight=21481.53, relative_density=0.9408929, beta=0.9527253),
+        **dict(psi=0.3355094, alpha_vT=3.31399, alpha_vR=0.9919649, alpha_s=1.060613),
+        **dict(n_E=0.05640413, poisson=0.3198447),
+    )
+    block = Block(mass=103.859, density=2640.822, aspect_ratio=0.6195983)
+    impact = Impact(29.68266, -0.9511691, -1.228766, -10.44417, -0.4112623)
+    coarse, close = (
+        simulate(block, soil, impact, accuracy=accuracy, ledger=True)
+        for accuracy in ("balanced", "reference")
+    )
+    assert float(coarse.e_n) == pytest.approx(float(close.e_n), abs=2e-4)
+
+
 @pytest.mark.parametrize(
     "dashpots",
     [{"eta_R": 0.1}, {"eta_R": 1e-6}, {"eta_T": 0.1}, {"eta_N": 0.1}],

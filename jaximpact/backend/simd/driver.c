@@ -240,14 +240,16 @@ static void give_sample(Job *job, const Program *program, Columns *columns, int 
         samples[row < values ? row : row + values * first][place] = sampled[PACK * row];
 }
 
-/* Whether a lane that has ended is to begin again, with a finer tolerance. */
+/* Whether a lane that has ended is to begin again, with a finer tolerance. One that has used
+ * up its steps does so once: it takes long, and may have stalled by bad luck. */
 static int begins_again(const Program *program, Columns *columns, int column)
 {
     if (program->tolerance < 0 || columns->tries[column] == RETRIES)
         return 0;
     const double *results = columns->work + PACK * program->results_row + column;
-    if (results[PACK * program->outcome] != program->failed ||
-        results[PACK * program->steps] >= program->most_steps)
+    if (results[PACK * program->outcome] != program->failed)
+        return 0;
+    if (results[PACK * program->steps] >= program->most_steps && columns->tries[column] > 0)
         return 0;
     columns->work[PACK * program->tolerance + column] =
         columns->tolerance[column] * program->retries[columns->tries[column]];

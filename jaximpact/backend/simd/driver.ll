@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 7b05ef21789c858440d67e085f01262558d0606a2b1b791a23b059ff73a9026f
+; Made from driver.c by 'make driver'; sha256 f1c0082599414d16a36d18b690c6d5df9546d465568801ea0623f1260dc0d190
 
 %struct.Operation = type { i64, [32 x %struct.Program], [32 x i64], ptr, ptr, i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double], ptr, ptr, ptr, ptr, i64, i64 }
@@ -1207,7 +1207,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 22:
   %23 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 21
   store i32 1, ptr %23, align 8
-  br label %663
+  br label %667
 
 24:
   %25 = tail call i64 @enter_float_mode()
@@ -1238,16 +1238,16 @@ define internal ptr @work(ptr nocapture noundef %0) {
   tail call void @leave_float_mode(i64 noundef %25)
   tail call void @free(ptr noundef %12)
   call void @llvm.lifetime.end.p0(i64 328, ptr nonnull %3)
-  br label %663
+  br label %667
 
 43:
-  %44 = phi i64 [ 0, %33 ], [ %660, %659 ]
+  %44 = phi i64 [ 0, %33 ], [ %664, %663 ]
   %45 = getelementptr inbounds %struct.Operation, ptr %4, i64 0, i32 1, i64 %44, i32 19
   %46 = load ptr, ptr %45, align 8
   %47 = icmp eq ptr %46, null
   %48 = load ptr, ptr %0, align 8
   %49 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44
-  br i1 %47, label %338, label %50
+  br i1 %47, label %340, label %50
 
 50:
   call void @llvm.lifetime.start.p0(i64 192, ptr nonnull %2)
@@ -1279,7 +1279,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
 71:
   %72 = phi i8 [ %77, %90 ], [ %67, %65 ]
   %73 = icmp eq i8 %72, 0
-  br i1 %73, label %330, label %96
+  br i1 %73, label %332, label %96
 
 74:
   %75 = shl nuw i32 1, %68
@@ -1311,8 +1311,8 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br i1 %92, label %71, label %93
 
 93:
-  %94 = phi i64 [ %91, %90 ], [ 0, %327 ]
-  %95 = phi i8 [ %77, %90 ], [ 0, %327 ]
+  %94 = phi i64 [ %91, %90 ], [ 0, %329 ]
+  %95 = phi i8 [ %77, %90 ], [ 0, %329 ]
   br label %65
 
 96:
@@ -1323,8 +1323,8 @@ define internal ptr @work(ptr nocapture noundef %0) {
   br label %101
 
 101:
-  %102 = phi i8 [ %72, %96 ], [ %250, %248 ]
-  %103 = phi i8 [ %72, %96 ], [ %249, %248 ]
+  %102 = phi i8 [ %72, %96 ], [ %252, %250 ]
+  %103 = phi i8 [ %72, %96 ], [ %251, %250 ]
   %104 = icmp eq i8 %102, 0
   br i1 %104, label %108, label %105
 
@@ -1363,7 +1363,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %129 = mul i64 %128, %127
   %130 = tail call noalias ptr @malloc(i64 noundef %129)
   %131 = icmp eq ptr %130, null
-  br i1 %131, label %252, label %132
+  br i1 %131, label %254, label %132
 
 132:
   %133 = mul nsw i64 %127, %119
@@ -1430,7 +1430,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %173 = xor i8 %171, -1
   %174 = and i8 %103, %173
   %175 = icmp eq i8 %174, 0
-  br i1 %175, label %248, label %190
+  br i1 %175, label %250, label %190
 
 176:
   %177 = phi i64 [ 0, %169 ], [ %188, %187 ]
@@ -1461,29 +1461,29 @@ define internal ptr @work(ptr nocapture noundef %0) {
 
 194:
   %195 = xor i8 %174, -1
-  %196 = or i8 %245, %195
+  %196 = or i8 %247, %195
   %197 = and i8 %196, %103
-  br label %248
+  br label %250
 
 198:
-  %199 = phi i64 [ 0, %190 ], [ %246, %244 ]
-  %200 = phi i8 [ 0, %190 ], [ %245, %244 ]
+  %199 = phi i64 [ 0, %190 ], [ %248, %246 ]
+  %200 = phi i8 [ 0, %190 ], [ %247, %246 ]
   %201 = trunc i64 %199 to i32
   %202 = shl nuw i32 1, %201
   %203 = and i32 %202, %193
   %204 = icmp eq i32 %203, 0
-  br i1 %204, label %244, label %205
+  br i1 %204, label %246, label %205
 
 205:
   %206 = load i64, ptr %51, align 8
   %207 = icmp slt i64 %206, 0
-  br i1 %207, label %244, label %208
+  br i1 %207, label %246, label %208
 
 208:
   %209 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %199
   %210 = load i64, ptr %209, align 8
   %211 = icmp eq i64 %210, 7
-  br i1 %211, label %244, label %212
+  br i1 %211, label %246, label %212
 
 212:
   %213 = load i64, ptr %57, align 8
@@ -1496,7 +1496,7 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %220 = load double, ptr %219, align 8
   %221 = load double, ptr %59, align 8
   %222 = fcmp une double %220, %221
-  br i1 %222, label %244, label %223
+  br i1 %222, label %246, label %223
 
 223:
   %224 = load i64, ptr %60, align 8
@@ -1504,615 +1504,619 @@ define internal ptr @work(ptr nocapture noundef %0) {
   %226 = getelementptr inbounds double, ptr %216, i64 %225
   %227 = load double, ptr %226, align 8
   %228 = load double, ptr %61, align 8
-  %229 = fcmp ult double %227, %228
-  br i1 %229, label %230, label %244
+  %229 = fcmp oge double %227, %228
+  %230 = icmp sgt i64 %210, 0
+  %231 = select i1 %229, i1 %230, i1 false
+  br i1 %231, label %246, label %232
 
-230:
-  %231 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %199
-  %232 = load double, ptr %231, align 8
-  %233 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %210
+232:
+  %233 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %199
   %234 = load double, ptr %233, align 8
-  %235 = fmul double %232, %234
-  %236 = shl nsw i64 %206, 3
-  %237 = add nsw i64 %236, %199
-  %238 = getelementptr inbounds double, ptr %97, i64 %237
-  store double %235, ptr %238, align 8
-  %239 = add nsw i64 %210, 1
-  store i64 %239, ptr %209, align 8
-  %240 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %199
-  store i64 0, ptr %240, align 8
-  %241 = trunc i32 %202 to i8
-  %242 = or i8 %200, %241
-  %243 = getelementptr inbounds %struct.Tape, ptr %2, i64 %199, i32 1
-  store i64 0, ptr %243, align 8
-  br label %244
+  %235 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %210
+  %236 = load double, ptr %235, align 8
+  %237 = fmul double %234, %236
+  %238 = shl nsw i64 %206, 3
+  %239 = add nsw i64 %238, %199
+  %240 = getelementptr inbounds double, ptr %97, i64 %239
+  store double %237, ptr %240, align 8
+  %241 = add nsw i64 %210, 1
+  store i64 %241, ptr %209, align 8
+  %242 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %199
+  store i64 0, ptr %242, align 8
+  %243 = trunc i32 %202 to i8
+  %244 = or i8 %200, %243
+  %245 = getelementptr inbounds %struct.Tape, ptr %2, i64 %199, i32 1
+  store i64 0, ptr %245, align 8
+  br label %246
 
-244:
-  %245 = phi i8 [ %242, %230 ], [ %200, %198 ], [ %200, %223 ], [ %200, %212 ], [ %200, %208 ], [ %200, %205 ]
-  %246 = add nuw nsw i64 %199, 1
-  %247 = icmp eq i64 %246, 8
-  br i1 %247, label %194, label %198
+246:
+  %247 = phi i8 [ %244, %232 ], [ %200, %198 ], [ %200, %223 ], [ %200, %212 ], [ %200, %208 ], [ %200, %205 ]
+  %248 = add nuw nsw i64 %199, 1
+  %249 = icmp eq i64 %248, 8
+  br i1 %249, label %194, label %198
 
-248:
-  %249 = phi i8 [ %197, %194 ], [ %103, %172 ]
-  %250 = phi i8 [ %245, %194 ], [ 0, %172 ]
-  %251 = icmp eq i8 %249, 0
-  br i1 %251, label %253, label %101
+250:
+  %251 = phi i8 [ %197, %194 ], [ %103, %172 ]
+  %252 = phi i8 [ %247, %194 ], [ 0, %172 ]
+  %253 = icmp eq i8 %251, 0
+  br i1 %253, label %255, label %101
 
-252:
+254:
   store i32 1, ptr %34, align 8
-  br label %330
+  br label %332
 
-253:
-  %254 = load ptr, ptr %62, align 8
-  %255 = tail call zeroext i8 %254(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
-  %256 = zext i8 %72 to i32
-  br label %259
-
-257:
-  %258 = icmp sgt i64 %271, 0
-  br i1 %258, label %274, label %318
+255:
+  %256 = load ptr, ptr %62, align 8
+  %257 = tail call zeroext i8 %256(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
+  %258 = zext i8 %72 to i32
+  br label %261
 
 259:
-  %260 = phi i64 [ 0, %253 ], [ %272, %270 ]
-  %261 = phi i64 [ 0, %253 ], [ %271, %270 ]
-  %262 = trunc i64 %260 to i32
-  %263 = shl nuw i32 1, %262
-  %264 = and i32 %263, %256
-  %265 = icmp eq i32 %264, 0
-  br i1 %265, label %270, label %266
+  %260 = icmp sgt i64 %273, 0
+  br i1 %260, label %276, label %320
 
-266:
-  %267 = getelementptr inbounds %struct.Tape, ptr %2, i64 %260, i32 1
-  %268 = load i64, ptr %267, align 8
-  %269 = tail call i64 @llvm.smax.i64(i64 %268, i64 %261)
-  br label %270
+261:
+  %262 = phi i64 [ 0, %255 ], [ %274, %272 ]
+  %263 = phi i64 [ 0, %255 ], [ %273, %272 ]
+  %264 = trunc i64 %262 to i32
+  %265 = shl nuw i32 1, %264
+  %266 = and i32 %265, %258
+  %267 = icmp eq i32 %266, 0
+  br i1 %267, label %272, label %268
 
-270:
-  %271 = phi i64 [ %261, %259 ], [ %269, %266 ]
-  %272 = add nuw nsw i64 %260, 1
-  %273 = icmp eq i64 %272, 8
-  br i1 %273, label %257, label %259
+268:
+  %269 = getelementptr inbounds %struct.Tape, ptr %2, i64 %262, i32 1
+  %270 = load i64, ptr %269, align 8
+  %271 = tail call i64 @llvm.smax.i64(i64 %270, i64 %263)
+  br label %272
 
-274:
-  %275 = phi i64 [ %276, %277 ], [ %271, %257 ]
-  %276 = add nsw i64 %275, -1
-  br label %281
+272:
+  %273 = phi i64 [ %263, %261 ], [ %271, %268 ]
+  %274 = add nuw nsw i64 %262, 1
+  %275 = icmp eq i64 %274, 8
+  br i1 %275, label %259, label %261
 
-277:
-  %278 = load ptr, ptr %63, align 8
-  %279 = tail call zeroext i8 %278(ptr noundef %97, i8 noundef zeroext %315, i64 noundef 0)
-  %280 = icmp sgt i64 %275, 1
-  br i1 %280, label %274, label %318
+276:
+  %277 = phi i64 [ %278, %279 ], [ %273, %259 ]
+  %278 = add nsw i64 %277, -1
+  br label %283
 
-281:
-  %282 = phi i64 [ 0, %274 ], [ %316, %314 ]
-  %283 = phi i8 [ 0, %274 ], [ %315, %314 ]
-  %284 = trunc i64 %282 to i32
-  %285 = shl nuw i32 1, %284
-  %286 = and i32 %285, %256
-  %287 = icmp eq i32 %286, 0
-  br i1 %287, label %314, label %288
+279:
+  %280 = load ptr, ptr %63, align 8
+  %281 = tail call zeroext i8 %280(ptr noundef %97, i8 noundef zeroext %317, i64 noundef 0)
+  %282 = icmp sgt i64 %277, 1
+  br i1 %282, label %276, label %320
 
-288:
-  %289 = getelementptr inbounds %struct.Tape, ptr %2, i64 %282, i32 1
-  %290 = load i64, ptr %289, align 8
-  %291 = icmp sgt i64 %275, %290
-  br i1 %291, label %314, label %292
+283:
+  %284 = phi i64 [ 0, %276 ], [ %318, %316 ]
+  %285 = phi i8 [ 0, %276 ], [ %317, %316 ]
+  %286 = trunc i64 %284 to i32
+  %287 = shl nuw i32 1, %286
+  %288 = and i32 %287, %258
+  %289 = icmp eq i32 %288, 0
+  br i1 %289, label %316, label %290
 
-292:
-  %293 = getelementptr inbounds %struct.Tape, ptr %2, i64 %282
-  %294 = trunc i32 %285 to i8
-  %295 = or i8 %283, %294
-  %296 = load ptr, ptr %293, align 8
-  %297 = load i64, ptr %53, align 8
-  %298 = mul nsw i64 %297, %276
-  %299 = getelementptr inbounds double, ptr %296, i64 %298
-  %300 = icmp sgt i64 %297, 0
-  br i1 %300, label %301, label %314
+290:
+  %291 = getelementptr inbounds %struct.Tape, ptr %2, i64 %284, i32 1
+  %292 = load i64, ptr %291, align 8
+  %293 = icmp sgt i64 %277, %292
+  br i1 %293, label %316, label %294
 
-301:
-  %302 = phi i64 [ %311, %301 ], [ 0, %292 ]
-  %303 = getelementptr inbounds double, ptr %299, i64 %302
-  %304 = load double, ptr %303, align 8
-  %305 = load ptr, ptr %54, align 8
-  %306 = getelementptr inbounds i64, ptr %305, i64 %302
-  %307 = load i64, ptr %306, align 8
-  %308 = shl nsw i64 %307, 3
-  %309 = add nsw i64 %308, %282
-  %310 = getelementptr inbounds double, ptr %97, i64 %309
-  store double %304, ptr %310, align 8
-  %311 = add nuw nsw i64 %302, 1
-  %312 = load i64, ptr %53, align 8
-  %313 = icmp slt i64 %311, %312
-  br i1 %313, label %301, label %314
+294:
+  %295 = getelementptr inbounds %struct.Tape, ptr %2, i64 %284
+  %296 = trunc i32 %287 to i8
+  %297 = or i8 %285, %296
+  %298 = load ptr, ptr %295, align 8
+  %299 = load i64, ptr %53, align 8
+  %300 = mul nsw i64 %299, %278
+  %301 = getelementptr inbounds double, ptr %298, i64 %300
+  %302 = icmp sgt i64 %299, 0
+  br i1 %302, label %303, label %316
 
-314:
-  %315 = phi i8 [ %283, %288 ], [ %283, %281 ], [ %295, %292 ], [ %295, %301 ]
-  %316 = add nuw nsw i64 %282, 1
-  %317 = icmp eq i64 %316, 8
-  br i1 %317, label %277, label %281
+303:
+  %304 = phi i64 [ %313, %303 ], [ 0, %294 ]
+  %305 = getelementptr inbounds double, ptr %301, i64 %304
+  %306 = load double, ptr %305, align 8
+  %307 = load ptr, ptr %54, align 8
+  %308 = getelementptr inbounds i64, ptr %307, i64 %304
+  %309 = load i64, ptr %308, align 8
+  %310 = shl nsw i64 %309, 3
+  %311 = add nsw i64 %310, %284
+  %312 = getelementptr inbounds double, ptr %97, i64 %311
+  store double %306, ptr %312, align 8
+  %313 = add nuw nsw i64 %304, 1
+  %314 = load i64, ptr %53, align 8
+  %315 = icmp slt i64 %313, %314
+  br i1 %315, label %303, label %316
 
-318:
-  %319 = load ptr, ptr %64, align 8
-  %320 = tail call zeroext i8 %319(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
-  br label %321
+316:
+  %317 = phi i8 [ %285, %290 ], [ %285, %283 ], [ %297, %294 ], [ %297, %303 ]
+  %318 = add nuw nsw i64 %284, 1
+  %319 = icmp eq i64 %318, 8
+  br i1 %319, label %279, label %283
 
-321:
-  %322 = phi i32 [ 0, %318 ], [ %328, %327 ]
-  %323 = shl nuw i32 1, %322
-  %324 = and i32 %323, %256
-  %325 = icmp eq i32 %324, 0
-  br i1 %325, label %327, label %326
+320:
+  %321 = load ptr, ptr %64, align 8
+  %322 = tail call zeroext i8 %321(ptr noundef %97, i8 noundef zeroext %72, i64 noundef 0)
+  br label %323
 
-326:
-  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %322)
-  br label %327
+323:
+  %324 = phi i32 [ 0, %320 ], [ %330, %329 ]
+  %325 = shl nuw i32 1, %324
+  %326 = and i32 %325, %258
+  %327 = icmp eq i32 %326, 0
+  br i1 %327, label %329, label %328
 
-327:
-  %328 = add nuw nsw i32 %322, 1
-  %329 = icmp eq i32 %328, 8
-  br i1 %329, label %93, label %321
+328:
+  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %324)
+  br label %329
 
-330:
+329:
+  %330 = add nuw nsw i32 %324, 1
+  %331 = icmp eq i32 %330, 8
+  br i1 %331, label %93, label %323
+
+332:
   call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(64) %41, i8 -1, i64 64, i1 false)
-  br label %331
+  br label %333
 
-331:
-  %332 = phi i64 [ 0, %330 ], [ %335, %331 ]
-  %333 = getelementptr inbounds [8 x %struct.Tape], ptr %2, i64 0, i64 %332
-  %334 = load ptr, ptr %333, align 8
-  tail call void @free(ptr noundef %334)
-  %335 = add nuw nsw i64 %332, 1
-  %336 = icmp eq i64 %335, 8
-  br i1 %336, label %337, label %331
+333:
+  %334 = phi i64 [ 0, %332 ], [ %337, %333 ]
+  %335 = getelementptr inbounds [8 x %struct.Tape], ptr %2, i64 0, i64 %334
+  %336 = load ptr, ptr %335, align 8
+  tail call void @free(ptr noundef %336)
+  %337 = add nuw nsw i64 %334, 1
+  %338 = icmp eq i64 %337, 8
+  br i1 %338, label %339, label %333
 
-337:
+339:
   call void @llvm.lifetime.end.p0(i64 192, ptr nonnull %2)
-  br label %659
+  br label %663
 
-338:
-  %339 = load i64, ptr %35, align 8
-  %340 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 8
-  %341 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 1
-  %342 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 3
-  %343 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 11
-  %344 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 12
-  %345 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 13
-  %346 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 14
-  %347 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 7
-  %348 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 2
-  %349 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 6
-  %350 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 9
-  %351 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 15
-  %352 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 10
-  %353 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 16
-  br label %354
-
-354:
-  %355 = phi i8 [ 0, %338 ], [ %658, %657 ]
-  br label %358
+340:
+  %341 = load i64, ptr %35, align 8
+  %342 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 8
+  %343 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 1
+  %344 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 3
+  %345 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 11
+  %346 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 12
+  %347 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 13
+  %348 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 14
+  %349 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 7
+  %350 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 2
+  %351 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 6
+  %352 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 9
+  %353 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 15
+  %354 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 10
+  %355 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 16
+  br label %356
 
 356:
-  %357 = icmp eq i8 %386, 0
-  br i1 %357, label %400, label %396
+  %357 = phi i8 [ 0, %340 ], [ %662, %661 ]
+  br label %360
 
 358:
-  %359 = phi i64 [ 0, %354 ], [ %394, %385 ]
-  %360 = phi i8 [ %355, %354 ], [ %386, %385 ]
-  %361 = phi i8 [ 0, %354 ], [ %393, %385 ]
-  %362 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %359
-  %363 = load i64, ptr %362, align 8
-  %364 = icmp slt i64 %363, 0
-  br i1 %364, label %365, label %385
+  %359 = icmp eq i8 %388, 0
+  br i1 %359, label %402, label %398
 
-365:
-  %366 = trunc i64 %359 to i32
-  %367 = call fastcc i32 @take_lane(ptr noundef nonnull %0, i64 noundef %44, ptr noundef nonnull %3, i32 noundef %366)
-  %368 = icmp eq i32 %367, 0
-  br i1 %368, label %385, label %369
+360:
+  %361 = phi i64 [ 0, %356 ], [ %396, %387 ]
+  %362 = phi i8 [ %357, %356 ], [ %388, %387 ]
+  %363 = phi i8 [ 0, %356 ], [ %395, %387 ]
+  %364 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %361
+  %365 = load i64, ptr %364, align 8
+  %366 = icmp slt i64 %365, 0
+  br i1 %366, label %367, label %387
 
-369:
-  %370 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %359
-  store i64 0, ptr %370, align 8
-  %371 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %359
-  store i64 0, ptr %371, align 8
-  %372 = load i64, ptr %340, align 8
-  %373 = icmp sgt i64 %372, -1
-  br i1 %373, label %374, label %381
+367:
+  %368 = trunc i64 %361 to i32
+  %369 = call fastcc i32 @take_lane(ptr noundef nonnull %0, i64 noundef %44, ptr noundef nonnull %3, i32 noundef %368)
+  %370 = icmp eq i32 %369, 0
+  br i1 %370, label %387, label %371
 
-374:
-  %375 = load ptr, ptr %3, align 8
-  %376 = shl nsw i64 %372, 3
-  %377 = add nsw i64 %376, %359
-  %378 = getelementptr inbounds double, ptr %375, i64 %377
-  %379 = load double, ptr %378, align 8
-  %380 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %359
-  store double %379, ptr %380, align 8
-  br label %381
+371:
+  %372 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %361
+  store i64 0, ptr %372, align 8
+  %373 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %361
+  store i64 0, ptr %373, align 8
+  %374 = load i64, ptr %342, align 8
+  %375 = icmp sgt i64 %374, -1
+  br i1 %375, label %376, label %383
 
-381:
-  %382 = shl nuw i32 1, %366
-  %383 = trunc i32 %382 to i8
-  %384 = or i8 %360, %383
-  br label %385
+376:
+  %377 = load ptr, ptr %3, align 8
+  %378 = shl nsw i64 %374, 3
+  %379 = add nsw i64 %378, %361
+  %380 = getelementptr inbounds double, ptr %377, i64 %379
+  %381 = load double, ptr %380, align 8
+  %382 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %361
+  store double %381, ptr %382, align 8
+  br label %383
 
-385:
-  %386 = phi i8 [ %384, %381 ], [ %360, %365 ], [ %360, %358 ]
-  %387 = load i64, ptr %362, align 8
-  %388 = trunc i64 %359 to i32
-  %389 = shl nuw i32 1, %388
-  %390 = trunc i32 %389 to i8
-  %391 = icmp slt i64 %387, 0
-  %392 = select i1 %391, i8 0, i8 %390
-  %393 = or i8 %392, %361
-  %394 = add nuw nsw i64 %359, 1
-  %395 = icmp eq i64 %394, 8
-  br i1 %395, label %356, label %358
+383:
+  %384 = shl nuw i32 1, %368
+  %385 = trunc i32 %384 to i8
+  %386 = or i8 %362, %385
+  br label %387
 
-396:
-  %397 = load ptr, ptr %49, align 8
-  %398 = load ptr, ptr %3, align 8
-  %399 = tail call zeroext i8 %397(ptr noundef %398, i8 noundef zeroext %386, i64 noundef %339)
-  br label %400
+387:
+  %388 = phi i8 [ %386, %383 ], [ %362, %367 ], [ %362, %360 ]
+  %389 = load i64, ptr %364, align 8
+  %390 = trunc i64 %361 to i32
+  %391 = shl nuw i32 1, %390
+  %392 = trunc i32 %391 to i8
+  %393 = icmp slt i64 %389, 0
+  %394 = select i1 %393, i8 0, i8 %392
+  %395 = or i8 %394, %363
+  %396 = add nuw nsw i64 %361, 1
+  %397 = icmp eq i64 %396, 8
+  br i1 %397, label %358, label %360
 
-400:
-  %401 = icmp eq i8 %393, 0
-  br i1 %401, label %657, label %402
+398:
+  %399 = load ptr, ptr %49, align 8
+  %400 = load ptr, ptr %3, align 8
+  %401 = tail call zeroext i8 %399(ptr noundef %400, i8 noundef zeroext %388, i64 noundef %341)
+  br label %402
 
 402:
-  %403 = zext i8 %393 to i32
-  %404 = load ptr, ptr %3, align 8
-  br label %405
+  %403 = icmp eq i8 %395, 0
+  br i1 %403, label %661, label %404
 
-405:
-  %406 = load ptr, ptr %341, align 8
-  %407 = tail call zeroext i8 %406(ptr noundef %404, i8 noundef zeroext %393, i64 noundef %339)
-  %408 = xor i8 %407, -1
-  %409 = and i8 %393, %408
-  %410 = load ptr, ptr %342, align 8
-  %411 = icmp eq ptr %410, null
-  br i1 %411, label %600, label %412
+404:
+  %405 = zext i8 %395 to i32
+  %406 = load ptr, ptr %3, align 8
+  br label %407
 
-412:
-  %413 = load i64, ptr %343, align 8
-  %414 = shl nsw i64 %413, 3
-  %415 = getelementptr inbounds double, ptr %404, i64 %414
-  %416 = load i64, ptr %344, align 8
-  %417 = shl nsw i64 %416, 3
-  %418 = getelementptr inbounds double, ptr %404, i64 %417
-  %419 = zext i8 %409 to i32
-  br label %422
+407:
+  %408 = load ptr, ptr %343, align 8
+  %409 = tail call zeroext i8 %408(ptr noundef %406, i8 noundef zeroext %395, i64 noundef %341)
+  %410 = xor i8 %409, -1
+  %411 = and i8 %395, %410
+  %412 = load ptr, ptr %344, align 8
+  %413 = icmp eq ptr %412, null
+  br i1 %413, label %602, label %414
 
-420:
-  %421 = icmp eq i8 %495, 0
-  br i1 %421, label %600, label %501
+414:
+  %415 = load i64, ptr %345, align 8
+  %416 = shl nsw i64 %415, 3
+  %417 = getelementptr inbounds double, ptr %406, i64 %416
+  %418 = load i64, ptr %346, align 8
+  %419 = shl nsw i64 %418, 3
+  %420 = getelementptr inbounds double, ptr %406, i64 %419
+  %421 = zext i8 %411 to i32
+  br label %424
 
 422:
-  %423 = phi i64 [ 0, %412 ], [ %499, %498 ]
-  %424 = phi i8 [ 0, %412 ], [ %500, %498 ]
-  %425 = trunc i64 %423 to i32
-  %426 = shl nuw i32 1, %425
-  %427 = and i32 %426, %403
-  %428 = icmp eq i32 %427, 0
-  br i1 %428, label %494, label %429
+  %423 = icmp eq i8 %497, 0
+  br i1 %423, label %602, label %503
 
-429:
-  %430 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %423
-  %431 = load i64, ptr %430, align 8
-  %432 = load ptr, ptr %36, align 8
-  %433 = icmp eq ptr %432, null
-  br i1 %433, label %446, label %434
+424:
+  %425 = phi i64 [ 0, %414 ], [ %501, %500 ]
+  %426 = phi i8 [ 0, %414 ], [ %502, %500 ]
+  %427 = trunc i64 %425 to i32
+  %428 = shl nuw i32 1, %427
+  %429 = and i32 %428, %405
+  %430 = icmp eq i32 %429, 0
+  br i1 %430, label %496, label %431
 
-434:
-  %435 = icmp eq i64 %431, 0
-  br i1 %435, label %481, label %436
+431:
+  %432 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %425
+  %433 = load i64, ptr %432, align 8
+  %434 = load ptr, ptr %36, align 8
+  %435 = icmp eq ptr %434, null
+  br i1 %435, label %448, label %436
 
 436:
-  %437 = load i64, ptr %343, align 8
-  %438 = shl nsw i64 %437, 3
-  %439 = add nsw i64 %438, %423
-  %440 = getelementptr inbounds double, ptr %404, i64 %439
-  %441 = load double, ptr %440, align 8
-  %442 = getelementptr inbounds %struct.Course, ptr %432, i64 0, i32 3
+  %437 = icmp eq i64 %433, 0
+  br i1 %437, label %483, label %438
+
+438:
+  %439 = load i64, ptr %345, align 8
+  %440 = shl nsw i64 %439, 3
+  %441 = add nsw i64 %440, %425
+  %442 = getelementptr inbounds double, ptr %406, i64 %441
   %443 = load double, ptr %442, align 8
-  %444 = fcmp ogt double %441, %443
-  %445 = select i1 %444, double %441, double 0x7FF0000000000000
-  br label %481
+  %444 = getelementptr inbounds %struct.Course, ptr %434, i64 0, i32 3
+  %445 = load double, ptr %444, align 8
+  %446 = fcmp ogt double %443, %445
+  %447 = select i1 %446, double %443, double 0x7FF0000000000000
+  br label %483
 
-446:
-  %447 = load i64, ptr %37, align 8
-  %448 = icmp eq i64 %431, %447
-  br i1 %448, label %481, label %449
+448:
+  %449 = load i64, ptr %37, align 8
+  %450 = icmp eq i64 %433, %449
+  br i1 %450, label %483, label %451
 
-449:
-  %450 = load ptr, ptr %38, align 8
-  %451 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %423
-  %452 = load i64, ptr %451, align 8
-  %453 = load i64, ptr %39, align 8
-  %454 = icmp eq i64 %453, 1
-  %455 = load ptr, ptr %450, align 8
-  br i1 %454, label %456, label %461
+451:
+  %452 = load ptr, ptr %38, align 8
+  %453 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %425
+  %454 = load i64, ptr %453, align 8
+  %455 = load i64, ptr %39, align 8
+  %456 = icmp eq i64 %455, 1
+  %457 = load ptr, ptr %452, align 8
+  br i1 %456, label %458, label %463
 
-456:
-  %457 = getelementptr inbounds %struct.Operand, ptr %450, i64 0, i32 1
-  %458 = load i64, ptr %457, align 8
-  %459 = mul nsw i64 %458, %452
-  %460 = getelementptr inbounds double, ptr %455, i64 %459
-  br label %477
-
-461:
-  %462 = icmp sgt i64 %453, 0
-  br i1 %462, label %463, label %477
+458:
+  %459 = getelementptr inbounds %struct.Operand, ptr %452, i64 0, i32 1
+  %460 = load i64, ptr %459, align 8
+  %461 = mul nsw i64 %460, %454
+  %462 = getelementptr inbounds double, ptr %457, i64 %461
+  br label %479
 
 463:
-  %464 = phi i64 [ %467, %463 ], [ %453, %461 ]
-  %465 = phi ptr [ %474, %463 ], [ %455, %461 ]
-  %466 = phi i64 [ %475, %463 ], [ %452, %461 ]
-  %467 = add nsw i64 %464, -1
-  %468 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %467
-  %469 = load i64, ptr %468, align 8
-  %470 = srem i64 %466, %469
-  %471 = getelementptr inbounds %struct.Operand, ptr %450, i64 0, i32 1, i64 %467
-  %472 = load i64, ptr %471, align 8
-  %473 = mul nsw i64 %472, %470
-  %474 = getelementptr inbounds double, ptr %465, i64 %473
-  %475 = sdiv i64 %466, %469
-  %476 = icmp sgt i64 %464, 1
-  br i1 %476, label %463, label %477
+  %464 = icmp sgt i64 %455, 0
+  br i1 %464, label %465, label %479
 
-477:
-  %478 = phi ptr [ %460, %456 ], [ %455, %461 ], [ %474, %463 ]
-  %479 = getelementptr inbounds double, ptr %478, i64 %431
-  %480 = load double, ptr %479, align 8
-  br label %481
+465:
+  %466 = phi i64 [ %469, %465 ], [ %455, %463 ]
+  %467 = phi ptr [ %476, %465 ], [ %457, %463 ]
+  %468 = phi i64 [ %477, %465 ], [ %454, %463 ]
+  %469 = add nsw i64 %466, -1
+  %470 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 2, i64 %469
+  %471 = load i64, ptr %470, align 8
+  %472 = srem i64 %468, %471
+  %473 = getelementptr inbounds %struct.Operand, ptr %452, i64 0, i32 1, i64 %469
+  %474 = load i64, ptr %473, align 8
+  %475 = mul nsw i64 %474, %472
+  %476 = getelementptr inbounds double, ptr %467, i64 %475
+  %477 = sdiv i64 %468, %471
+  %478 = icmp sgt i64 %466, 1
+  br i1 %478, label %465, label %479
 
-481:
-  %482 = phi double [ %480, %477 ], [ %445, %436 ], [ 0.000000e+00, %434 ], [ 0x7FF0000000000000, %446 ]
-  %483 = getelementptr inbounds double, ptr %418, i64 %423
-  store double %482, ptr %483, align 8
-  %484 = getelementptr inbounds double, ptr %415, i64 %423
-  %485 = load double, ptr %484, align 8
-  %486 = and i32 %426, %419
-  %487 = icmp eq i32 %486, 0
-  %488 = select i1 %487, double 1.000000e+00, double 0x3FF000010C6F7A0B
-  %489 = fmul double %488, %485
-  %490 = fcmp ugt double %482, %489
-  %491 = trunc i32 %426 to i8
-  %492 = select i1 %490, i8 0, i8 %491
-  %493 = or i8 %492, %424
-  br label %494
+479:
+  %480 = phi ptr [ %462, %458 ], [ %457, %463 ], [ %476, %465 ]
+  %481 = getelementptr inbounds double, ptr %480, i64 %433
+  %482 = load double, ptr %481, align 8
+  br label %483
 
-494:
-  %495 = phi i8 [ %493, %481 ], [ %424, %422 ]
-  %496 = add nuw nsw i64 %423, 1
-  %497 = icmp eq i64 %496, 8
-  br i1 %497, label %420, label %498
+483:
+  %484 = phi double [ %482, %479 ], [ %447, %438 ], [ 0.000000e+00, %436 ], [ 0x7FF0000000000000, %448 ]
+  %485 = getelementptr inbounds double, ptr %420, i64 %425
+  store double %484, ptr %485, align 8
+  %486 = getelementptr inbounds double, ptr %417, i64 %425
+  %487 = load double, ptr %486, align 8
+  %488 = and i32 %428, %421
+  %489 = icmp eq i32 %488, 0
+  %490 = select i1 %489, double 1.000000e+00, double 0x3FF000010C6F7A0B
+  %491 = fmul double %490, %487
+  %492 = fcmp ugt double %484, %491
+  %493 = trunc i32 %428 to i8
+  %494 = select i1 %492, i8 0, i8 %493
+  %495 = or i8 %494, %426
+  br label %496
 
-498:
-  %499 = phi i64 [ %496, %494 ], [ 0, %597 ]
-  %500 = phi i8 [ %495, %494 ], [ 0, %597 ]
-  br label %422
+496:
+  %497 = phi i8 [ %495, %483 ], [ %426, %424 ]
+  %498 = add nuw nsw i64 %425, 1
+  %499 = icmp eq i64 %498, 8
+  br i1 %499, label %422, label %500
 
-501:
-  %502 = load ptr, ptr %342, align 8
-  %503 = load i64, ptr %35, align 8
-  %504 = tail call zeroext i8 %502(ptr noundef %404, i8 noundef zeroext %495, i64 noundef %503)
-  %505 = zext i8 %495 to i32
-  br label %506
+500:
+  %501 = phi i64 [ %498, %496 ], [ 0, %599 ]
+  %502 = phi i8 [ %497, %496 ], [ 0, %599 ]
+  br label %424
 
-506:
-  %507 = phi i64 [ 0, %501 ], [ %598, %597 ]
-  %508 = trunc i64 %507 to i32
-  %509 = shl nuw i32 1, %508
-  %510 = and i32 %509, %505
-  %511 = icmp eq i32 %510, 0
-  br i1 %511, label %597, label %512
+503:
+  %504 = load ptr, ptr %344, align 8
+  %505 = load i64, ptr %35, align 8
+  %506 = tail call zeroext i8 %504(ptr noundef %406, i8 noundef zeroext %497, i64 noundef %505)
+  %507 = zext i8 %497 to i32
+  br label %508
 
-512:
-  %513 = load i64, ptr %345, align 8
-  %514 = shl nsw i64 %513, 3
-  %515 = getelementptr inbounds double, ptr %404, i64 %514
-  %516 = getelementptr inbounds double, ptr %515, i64 %507
-  %517 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %507
-  %518 = load i64, ptr %517, align 8
-  %519 = load ptr, ptr %36, align 8
-  %520 = icmp eq ptr %519, null
-  br i1 %520, label %549, label %521
+508:
+  %509 = phi i64 [ 0, %503 ], [ %600, %599 ]
+  %510 = trunc i64 %509 to i32
+  %511 = shl nuw i32 1, %510
+  %512 = and i32 %511, %507
+  %513 = icmp eq i32 %512, 0
+  br i1 %513, label %599, label %514
 
-521:
-  %522 = load i64, ptr %344, align 8
-  %523 = shl nsw i64 %522, 3
-  %524 = add nsw i64 %523, %507
-  %525 = getelementptr inbounds double, ptr %404, i64 %524
-  %526 = load double, ptr %525, align 8
-  %527 = getelementptr inbounds %struct.Course, ptr %519, i64 0, i32 3
-  store double %526, ptr %527, align 8
-  %528 = add nsw i64 %518, 1
-  %529 = getelementptr inbounds %struct.Course, ptr %519, i64 0, i32 2
-  store i64 %528, ptr %529, align 8
-  %530 = getelementptr inbounds %struct.Course, ptr %519, i64 0, i32 1
-  %531 = load i64, ptr %530, align 8
-  %532 = icmp slt i64 %518, %531
-  br i1 %532, label %533, label %595
+514:
+  %515 = load i64, ptr %347, align 8
+  %516 = shl nsw i64 %515, 3
+  %517 = getelementptr inbounds double, ptr %406, i64 %516
+  %518 = getelementptr inbounds double, ptr %517, i64 %509
+  %519 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %509
+  %520 = load i64, ptr %519, align 8
+  %521 = load ptr, ptr %36, align 8
+  %522 = icmp eq ptr %521, null
+  br i1 %522, label %551, label %523
 
-533:
-  %534 = load i64, ptr %346, align 8
-  %535 = icmp sgt i64 %534, 0
-  br i1 %535, label %536, label %595
+523:
+  %524 = load i64, ptr %346, align 8
+  %525 = shl nsw i64 %524, 3
+  %526 = add nsw i64 %525, %509
+  %527 = getelementptr inbounds double, ptr %406, i64 %526
+  %528 = load double, ptr %527, align 8
+  %529 = getelementptr inbounds %struct.Course, ptr %521, i64 0, i32 3
+  store double %528, ptr %529, align 8
+  %530 = add nsw i64 %520, 1
+  %531 = getelementptr inbounds %struct.Course, ptr %521, i64 0, i32 2
+  store i64 %530, ptr %531, align 8
+  %532 = getelementptr inbounds %struct.Course, ptr %521, i64 0, i32 1
+  %533 = load i64, ptr %532, align 8
+  %534 = icmp slt i64 %520, %533
+  br i1 %534, label %535, label %597
 
-536:
-  %537 = phi i64 [ %546, %536 ], [ 0, %533 ]
-  %538 = shl nsw i64 %537, 3
-  %539 = getelementptr inbounds double, ptr %516, i64 %538
-  %540 = load double, ptr %539, align 8
-  %541 = load ptr, ptr %519, align 8
-  %542 = load i64, ptr %530, align 8
-  %543 = mul nsw i64 %542, %537
-  %544 = add nsw i64 %543, %518
-  %545 = getelementptr inbounds double, ptr %541, i64 %544
-  store double %540, ptr %545, align 8
-  %546 = add nuw nsw i64 %537, 1
-  %547 = load i64, ptr %346, align 8
-  %548 = icmp slt i64 %546, %547
-  br i1 %548, label %536, label %595
+535:
+  %536 = load i64, ptr %348, align 8
+  %537 = icmp sgt i64 %536, 0
+  br i1 %537, label %538, label %597
 
-549:
-  %550 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %507
-  %551 = load i64, ptr %550, align 8
-  %552 = load i64, ptr %37, align 8
-  %553 = mul nsw i64 %552, %551
-  %554 = add nsw i64 %553, %518
-  %555 = load ptr, ptr %40, align 8
-  %556 = load i64, ptr %347, align 8
-  %557 = getelementptr inbounds ptr, ptr %555, i64 %556
-  %558 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 2, i64 %507
-  %559 = load i64, ptr %558, align 8
-  %560 = load i64, ptr %346, align 8
-  %561 = load ptr, ptr %0, align 8
-  %562 = getelementptr inbounds %struct.Operation, ptr %561, i64 0, i32 6
-  %563 = load i64, ptr %562, align 8
-  %564 = add nsw i64 %563, 1
-  %565 = sdiv i64 %560, %564
-  %566 = sub nsw i64 %563, %559
-  %567 = load i64, ptr %35, align 8
-  %568 = tail call i64 @llvm.smin.i64(i64 %566, i64 %567)
-  %569 = add nsw i64 %568, 1
-  %570 = mul nsw i64 %569, %565
-  %571 = icmp sgt i64 %570, 0
-  br i1 %571, label %572, label %595
+538:
+  %539 = phi i64 [ %548, %538 ], [ 0, %535 ]
+  %540 = shl nsw i64 %539, 3
+  %541 = getelementptr inbounds double, ptr %518, i64 %540
+  %542 = load double, ptr %541, align 8
+  %543 = load ptr, ptr %521, align 8
+  %544 = load i64, ptr %532, align 8
+  %545 = mul nsw i64 %544, %539
+  %546 = add nsw i64 %545, %520
+  %547 = getelementptr inbounds double, ptr %543, i64 %546
+  store double %542, ptr %547, align 8
+  %548 = add nuw nsw i64 %539, 1
+  %549 = load i64, ptr %348, align 8
+  %550 = icmp slt i64 %548, %549
+  br i1 %550, label %538, label %597
 
-572:
-  %573 = mul nsw i64 %565, %559
-  br label %574
+551:
+  %552 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %509
+  %553 = load i64, ptr %552, align 8
+  %554 = load i64, ptr %37, align 8
+  %555 = mul nsw i64 %554, %553
+  %556 = add nsw i64 %555, %520
+  %557 = load ptr, ptr %40, align 8
+  %558 = load i64, ptr %349, align 8
+  %559 = getelementptr inbounds ptr, ptr %557, i64 %558
+  %560 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 2, i64 %509
+  %561 = load i64, ptr %560, align 8
+  %562 = load i64, ptr %348, align 8
+  %563 = load ptr, ptr %0, align 8
+  %564 = getelementptr inbounds %struct.Operation, ptr %563, i64 0, i32 6
+  %565 = load i64, ptr %564, align 8
+  %566 = add nsw i64 %565, 1
+  %567 = sdiv i64 %562, %566
+  %568 = sub nsw i64 %565, %561
+  %569 = load i64, ptr %35, align 8
+  %570 = tail call i64 @llvm.smin.i64(i64 %568, i64 %569)
+  %571 = add nsw i64 %570, 1
+  %572 = mul nsw i64 %571, %567
+  %573 = icmp sgt i64 %572, 0
+  br i1 %573, label %574, label %597
 
 574:
-  %575 = phi i64 [ 0, %572 ], [ %585, %574 ]
-  %576 = shl nsw i64 %575, 3
-  %577 = getelementptr inbounds double, ptr %516, i64 %576
-  %578 = load double, ptr %577, align 8
-  %579 = icmp slt i64 %575, %565
-  %580 = select i1 %579, i64 0, i64 %573
-  %581 = add nsw i64 %580, %575
-  %582 = getelementptr inbounds ptr, ptr %557, i64 %581
-  %583 = load ptr, ptr %582, align 8
-  %584 = getelementptr inbounds double, ptr %583, i64 %554
-  store double %578, ptr %584, align 8
-  %585 = add nuw nsw i64 %575, 1
-  %586 = load ptr, ptr %0, align 8
-  %587 = getelementptr inbounds %struct.Operation, ptr %586, i64 0, i32 6
-  %588 = load i64, ptr %587, align 8
-  %589 = sub nsw i64 %588, %559
-  %590 = load i64, ptr %35, align 8
-  %591 = tail call i64 @llvm.smin.i64(i64 %589, i64 %590)
-  %592 = add nsw i64 %591, 1
-  %593 = mul nsw i64 %592, %565
-  %594 = icmp slt i64 %585, %593
-  br i1 %594, label %574, label %595
+  %575 = mul nsw i64 %567, %561
+  br label %576
 
-595:
-  %596 = add nsw i64 %518, 1
-  store i64 %596, ptr %517, align 8
-  br label %597
+576:
+  %577 = phi i64 [ 0, %574 ], [ %587, %576 ]
+  %578 = shl nsw i64 %577, 3
+  %579 = getelementptr inbounds double, ptr %518, i64 %578
+  %580 = load double, ptr %579, align 8
+  %581 = icmp slt i64 %577, %567
+  %582 = select i1 %581, i64 0, i64 %575
+  %583 = add nsw i64 %582, %577
+  %584 = getelementptr inbounds ptr, ptr %559, i64 %583
+  %585 = load ptr, ptr %584, align 8
+  %586 = getelementptr inbounds double, ptr %585, i64 %556
+  store double %580, ptr %586, align 8
+  %587 = add nuw nsw i64 %577, 1
+  %588 = load ptr, ptr %0, align 8
+  %589 = getelementptr inbounds %struct.Operation, ptr %588, i64 0, i32 6
+  %590 = load i64, ptr %589, align 8
+  %591 = sub nsw i64 %590, %561
+  %592 = load i64, ptr %35, align 8
+  %593 = tail call i64 @llvm.smin.i64(i64 %591, i64 %592)
+  %594 = add nsw i64 %593, 1
+  %595 = mul nsw i64 %594, %567
+  %596 = icmp slt i64 %587, %595
+  br i1 %596, label %576, label %597
 
 597:
-  %598 = add nuw nsw i64 %507, 1
-  %599 = icmp eq i64 %598, 8
-  br i1 %599, label %498, label %506
+  %598 = add nsw i64 %520, 1
+  store i64 %598, ptr %519, align 8
+  br label %599
 
-600:
-  %601 = icmp eq i8 %409, 0
-  br i1 %601, label %405, label %602
+599:
+  %600 = add nuw nsw i64 %509, 1
+  %601 = icmp eq i64 %600, 8
+  br i1 %601, label %500, label %508
 
 602:
-  %603 = load ptr, ptr %348, align 8
-  %604 = tail call zeroext i8 %603(ptr noundef %404, i8 noundef zeroext %409, i64 noundef %339)
-  %605 = zext i8 %409 to i32
-  br label %606
+  %603 = icmp eq i8 %411, 0
+  br i1 %603, label %407, label %604
 
-606:
-  %607 = phi i64 [ 0, %602 ], [ %655, %653 ]
-  %608 = phi i8 [ 0, %602 ], [ %654, %653 ]
-  %609 = trunc i64 %607 to i32
-  %610 = shl nuw i32 1, %609
-  %611 = and i32 %610, %605
-  %612 = icmp eq i32 %611, 0
-  br i1 %612, label %653, label %613
+604:
+  %605 = load ptr, ptr %350, align 8
+  %606 = tail call zeroext i8 %605(ptr noundef %406, i8 noundef zeroext %411, i64 noundef %341)
+  %607 = zext i8 %411 to i32
+  br label %608
 
-613:
-  %614 = load i64, ptr %340, align 8
-  %615 = icmp slt i64 %614, 0
-  br i1 %615, label %651, label %616
+608:
+  %609 = phi i64 [ 0, %604 ], [ %659, %657 ]
+  %610 = phi i8 [ 0, %604 ], [ %658, %657 ]
+  %611 = trunc i64 %609 to i32
+  %612 = shl nuw i32 1, %611
+  %613 = and i32 %612, %607
+  %614 = icmp eq i32 %613, 0
+  br i1 %614, label %657, label %615
 
-616:
-  %617 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %607
-  %618 = load i64, ptr %617, align 8
-  %619 = icmp eq i64 %618, 7
-  br i1 %619, label %651, label %620
+615:
+  %616 = load i64, ptr %342, align 8
+  %617 = icmp slt i64 %616, 0
+  br i1 %617, label %655, label %618
 
-620:
-  %621 = load i64, ptr %349, align 8
-  %622 = shl nsw i64 %621, 3
-  %623 = getelementptr inbounds double, ptr %404, i64 %622
-  %624 = getelementptr inbounds double, ptr %623, i64 %607
-  %625 = load i64, ptr %350, align 8
-  %626 = shl nsw i64 %625, 3
-  %627 = getelementptr inbounds double, ptr %624, i64 %626
-  %628 = load double, ptr %627, align 8
-  %629 = load double, ptr %351, align 8
-  %630 = fcmp une double %628, %629
-  br i1 %630, label %651, label %631
+618:
+  %619 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 4, i64 %609
+  %620 = load i64, ptr %619, align 8
+  %621 = icmp eq i64 %620, 7
+  br i1 %621, label %655, label %622
 
-631:
-  %632 = load i64, ptr %352, align 8
-  %633 = shl nsw i64 %632, 3
-  %634 = getelementptr inbounds double, ptr %624, i64 %633
-  %635 = load double, ptr %634, align 8
-  %636 = load double, ptr %353, align 8
-  %637 = fcmp ult double %635, %636
-  br i1 %637, label %638, label %651
+622:
+  %623 = load i64, ptr %351, align 8
+  %624 = shl nsw i64 %623, 3
+  %625 = getelementptr inbounds double, ptr %406, i64 %624
+  %626 = getelementptr inbounds double, ptr %625, i64 %609
+  %627 = load i64, ptr %352, align 8
+  %628 = shl nsw i64 %627, 3
+  %629 = getelementptr inbounds double, ptr %626, i64 %628
+  %630 = load double, ptr %629, align 8
+  %631 = load double, ptr %353, align 8
+  %632 = fcmp une double %630, %631
+  br i1 %632, label %655, label %633
 
-638:
-  %639 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %607
-  %640 = load double, ptr %639, align 8
-  %641 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %618
-  %642 = load double, ptr %641, align 8
-  %643 = fmul double %640, %642
-  %644 = shl nsw i64 %614, 3
-  %645 = add nsw i64 %644, %607
-  %646 = getelementptr inbounds double, ptr %404, i64 %645
-  store double %643, ptr %646, align 8
-  %647 = add nsw i64 %618, 1
-  store i64 %647, ptr %617, align 8
-  %648 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %607
-  store i64 0, ptr %648, align 8
-  %649 = trunc i32 %610 to i8
-  %650 = or i8 %608, %649
-  br label %653
+633:
+  %634 = load i64, ptr %354, align 8
+  %635 = shl nsw i64 %634, 3
+  %636 = getelementptr inbounds double, ptr %626, i64 %635
+  %637 = load double, ptr %636, align 8
+  %638 = load double, ptr %355, align 8
+  %639 = fcmp oge double %637, %638
+  %640 = icmp sgt i64 %620, 0
+  %641 = select i1 %639, i1 %640, i1 false
+  br i1 %641, label %655, label %642
 
-651:
-  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %609)
-  %652 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %607
-  store i64 -1, ptr %652, align 8
-  br label %653
+642:
+  %643 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 3, i64 %609
+  %644 = load double, ptr %643, align 8
+  %645 = getelementptr inbounds %struct.Operation, ptr %48, i64 0, i32 1, i64 %44, i32 17, i64 %620
+  %646 = load double, ptr %645, align 8
+  %647 = fmul double %644, %646
+  %648 = shl nsw i64 %616, 3
+  %649 = add nsw i64 %648, %609
+  %650 = getelementptr inbounds double, ptr %406, i64 %649
+  store double %647, ptr %650, align 8
+  %651 = add nsw i64 %620, 1
+  store i64 %651, ptr %619, align 8
+  %652 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 5, i64 %609
+  store i64 0, ptr %652, align 8
+  %653 = trunc i32 %612 to i8
+  %654 = or i8 %610, %653
+  br label %657
 
-653:
-  %654 = phi i8 [ %650, %638 ], [ %608, %651 ], [ %608, %606 ]
-  %655 = add nuw nsw i64 %607, 1
-  %656 = icmp eq i64 %655, 8
-  br i1 %656, label %657, label %606
+655:
+  call fastcc void @give_lane(ptr noundef nonnull %0, ptr noundef nonnull %49, ptr noundef nonnull %3, i32 noundef %611)
+  %656 = getelementptr inbounds %struct.Columns, ptr %3, i64 0, i32 1, i64 %609
+  store i64 -1, ptr %656, align 8
+  br label %657
 
 657:
-  %658 = phi i8 [ %355, %400 ], [ %654, %653 ]
-  br i1 %401, label %659, label %354
+  %658 = phi i8 [ %654, %642 ], [ %610, %655 ], [ %610, %608 ]
+  %659 = add nuw nsw i64 %609, 1
+  %660 = icmp eq i64 %659, 8
+  br i1 %660, label %661, label %608
 
-659:
-  %660 = add nuw nsw i64 %44, 1
-  %661 = load i64, ptr %4, align 8
-  %662 = icmp slt i64 %660, %661
-  br i1 %662, label %43, label %42
+661:
+  %662 = phi i8 [ %357, %402 ], [ %658, %657 ]
+  br i1 %403, label %663, label %356
 
 663:
+  %664 = add nuw nsw i64 %44, 1
+  %665 = load i64, ptr %4, align 8
+  %666 = icmp slt i64 %664, %665
+  br i1 %666, label %43, label %42
+
+667:
   ret ptr null
 }
 

@@ -69,8 +69,8 @@ class Code(NamedTuple):
 
 
 class Retries(NamedTuple):
-    """Retries of a lane that has failed: with tolerances times each of the factors,
-    unless it has used up its steps."""
+    """Retries of a lane that has failed: with tolerances times each of the factors, but
+    only one where it has used up its steps."""
 
     tolerance_row: int
     """Row of the tolerance among the inputs."""
