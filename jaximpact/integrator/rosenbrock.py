@@ -35,6 +35,8 @@ import numpy as np
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
+from .._jax_internals import bind, walk
+
 ORDER = 5
 GAMMA = 0.21193756319429014
 # Rows i = 2..6 of a_ij; stages 7 and 8 start from stage 6 plus u_6, and plus u_7.
@@ -267,6 +269,17 @@ def jacobian_columns(f, y: list[Array]) -> list[list[Array]]:
     return columns
 
 
+def traced(f, rows: list[Array]):
+    """Trace a function of rows; what is returned does the same without its Python code,
+    which takes most of the time where JAX transforms it again and again."""
+    closed = jax.make_jaxpr(f)(rows)
+
+    def evaluate(rows: list[Array]) -> list[Array]:
+        return walk(closed.jaxpr, closed.consts, rows, lambda x: x.val, bind)
+
+    return evaluate
+
+
 def rodas5p_step(f, y0: Array, step_size: Array, pattern):
     """Take one step.
 
@@ -282,6 +295,7 @@ def rodas5p_step(f, y0: Array, step_size: Array, pattern):
     """
     scaled = step_size * GAMMA
     rows = list(y0)
+    f = traced(f, rows)
     columns = jacobian_columns(f, rows)
 
     def entry(i, j):
