@@ -218,5 +218,5 @@ def test_machine_code_does_what_the_functions_say():
     while going:
         watch, going = contact_search.step(watch)
     # One unit in the last place of a sine, some steps long.
-    for one, other in zip(found, contact_search.finish(watch), strict=True):
+    for one, other in zip(found, contact_search.finish(inputs, watch), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)

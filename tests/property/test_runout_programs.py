@@ -20,7 +20,7 @@ from jaximpact.rebound import AbstractRebound
 from jaximpact.runout import blocks
 from jaximpact.runout.contacts import contact_models
 from jaximpact.runout.flight import time_of_impact
-from jaximpact.runout.lane_programs import ClosedProgram, LaneProgram, closed_form
+from jaximpact.runout.lane_programs import LaneProgram, closed_form
 
 LAW = """
 from jaximpact.parameters import parameter
@@ -73,9 +73,7 @@ def compiled(monkeypatch):
 
 def of_a_new_process(program):
     """The program without what this process has of it."""
-    if isinstance(program, LaneProgram):
-        return LaneProgram(*program.functions)
-    return ClosedProgram(program.function)
+    return LaneProgram(*program.functions, program.names)
 
 
 def found():

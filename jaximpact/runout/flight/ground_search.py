@@ -142,7 +142,7 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
     return after, at != END
 
 
-def finish(now: GroundSearch) -> FirstContact:
+def finish(_, now: GroundSearch) -> FirstContact:
     """Report the contact, or the time up to which there is none."""
     return reported(now.until, now.touched, now.given_up, now.segment, now.gap)
 

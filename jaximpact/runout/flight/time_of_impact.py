@@ -148,7 +148,7 @@ def not_out_and_in(
     return jnp.where(depth > slack, jnp.minimum(free, short), free)
 
 
-def finish(now: Search) -> FirstContact:
+def finish(_, now: Search) -> FirstContact:
     """Report the contact, or the time up to which there is none."""
     given_up = ~now.touched & (now.time < now.until)
     return reported(now.time, now.touched, given_up, now.piece, now.gap)
