@@ -74,7 +74,7 @@ def compiled(monkeypatch):
 
 def of_a_new_process(program):
     """The program without what this process has of it."""
-    return LaneProgram(*program.functions, program.names)
+    return LaneProgram(*program.functions, names=program.names)
 
 
 def found():
