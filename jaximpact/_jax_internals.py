@@ -196,11 +196,6 @@ def called(equation) -> ClosedJaxpr | None:
     return None if name is None else equation.params[name]
 
 
-def is_variable(atom) -> bool:
-    """Tell whether an operand or result in a jaxpr is a variable, not a number."""
-    return not isinstance(atom, Literal)
-
-
 def walk(
     jaxpr: Jaxpr, constants, arguments, literal: Callable, apply: Callable
 ) -> list:

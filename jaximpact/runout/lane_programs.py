@@ -7,23 +7,19 @@ and laws that have no machine code are run by XLA.
 """
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.extend.core import jaxpr_as_fun
 
-from .._jax_internals import is_variable
 from .._settings import collector_paused
 from ..backend.native_backend import kept_code, without_machine_code
 from ..backend.simd import (
     Code,
     Kernel,
     KernelSet,
-    LaneFunctions,
     NoMachineCode,
-    compile_code,
     compile_kernel,
 )
 from ..backend.threads import thread_count
@@ -47,15 +43,26 @@ class LaneProgram:
     Args:
         begin: gives the state at the start from the inputs, scalars.
         step: gives the next state, and whether the lane goes on.
-        finish: gives the results, a tree, from the last state.
+        finish: gives the results, a tree, from the inputs and the last state.
+        names: functions by whose names the code is kept; these three by default.
+        lanes_per_thread: number of lanes that are worth a thread.
 
     Called with trees of arrays that broadcast, a program gives the results as arrays of
     floats of their common shape. It is compiled, in some tenths of a second, on the
     first call with trees of a structure, and kept on disk.
     """
 
-    def __init__(self, begin: Callable, step: Callable, finish: Callable):
+    def __init__(
+        self,
+        begin: Callable,
+        step: Callable,
+        finish: Callable,
+        names: Sequence[Callable] = (),
+        lanes_per_thread: int = 512,
+    ):
         self.functions = begin, step, finish
+        self.names = names or self.functions
+        self.lanes_per_thread = lanes_per_thread
         self._kernels: dict = {}
         clear_when_edited(self._kernels.clear)
 
@@ -66,28 +73,48 @@ class LaneProgram:
             with tracing():
                 self._kernels[structure] = self._kernel(inputs)
         kernel = self._kernels[structure]
-        shape = _shape_of(leaves)
-        # So many lanes of many steps are worth a thread.
-        rows = _run(kernel, leaves, shape, lanes_per_thread=512)
+        rows = _run(kernel, leaves, _shape_of(leaves), self.lanes_per_thread)
         return jax.tree.unflatten(kernel.structure, rows)
 
     def _kernel(self, inputs) -> "KernelSet | _ByXla":
-        begin, step, finish = map(jax.vmap, self.functions)
+        # A state may be without numbers, which would tell how many lanes there are.
+        begin, step, finish = (jax.vmap(f, axis_size=1) for f in self.functions)
         one = jax.ShapeDtypeStruct((1,), float)
 
         def compiled() -> tuple[Code, Any]:
             kernel = compile_kernel(
-                *(lambda leaves: begin(*leaves), step, lambda _, state: finish(state)),
+                lambda leaves: begin(*leaves),
+                step,
+                finish,
                 jax.tree.map(lambda _: one, inputs),
             )
             return kernel.code, _template(kernel.structure)
 
         try:
-            code, results = _kept(self.functions, inputs, compiled)
+            code, results = _kept(self.names, inputs, compiled)
             return KernelSet([Kernel(code, jax.tree.structure(results))])
         except NoMachineCode as problem:
             without_machine_code(problem)
             return _ByXla(self.functions, jax.tree.structure(inputs))
+
+
+def closed_form(function: Callable) -> LaneProgram:
+    """Make a program of a function of scalars without steps; results may be numbers of
+    any type, and become floats."""
+
+    def finish(inputs, _):
+        return jax.tree.map(lambda x: jnp.asarray(x, float), function(*inputs))
+
+    # All is done as a lane ends, so that nothing is kept of it before.
+    return LaneProgram(_nothing, _stop, finish, [function], lanes_per_thread=16_384)
+
+
+def _nothing(*_) -> tuple:
+    return ()
+
+
+def _stop(state):
+    return state, jnp.zeros((), bool)
 
 
 def _kept(functions: Sequence[Callable], tree, compiled: Callable) -> Any:
@@ -134,11 +161,12 @@ class _ByXla:
         begin, step, finish = functions
 
         def run_lane(leaves):
-            state = begin(*jax.tree.unflatten(structure, list(leaves)))
+            inputs = jax.tree.unflatten(structure, list(leaves))
+            state = begin(*inputs)
             state, _ = jax.lax.while_loop(
                 lambda turn: turn[1], lambda turn: step(turn[0]), step(state)
             )
-            return finish(state)
+            return finish(inputs, state)
 
         one = [jax.ShapeDtypeStruct((), float)] * structure.num_leaves
         self.structure = jax.tree.structure(jax.eval_shape(run_lane, one))
@@ -157,109 +185,3 @@ class _ByXla:
                 leaves = jax.tree.leaves(self._run(padded))
             parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in leaves])
         return [np.concatenate(x) for x in zip(*parts, strict=True)]
-
-
-class _Plan(NamedTuple):
-    """Part of a function that has to be computed, for inputs of one structure."""
-
-    used: list[int]  # places of the inputs that matter among the leaves
-    passed: list[int | None]  # place, for each result, of the input that it is, or None
-    results: Any  # template of the results
-    code: Code | None = None
-    """Computes the results that are not inputs, from the inputs that matter; None where
-    there are none, or no machine code."""
-
-
-class ClosedProgram:
-    """Program of a function without steps.
-
-    Called as a `LaneProgram` is. Results may be numbers of any type; all become floats.
-    An input that is also a result is not copied, and one that is not used costs
-    nothing.
-    """
-
-    def __init__(self, function: Callable):
-        self.function = function
-        self._plans: dict = {}
-        clear_when_edited(self._plans.clear)
-
-    def __call__(self, *inputs) -> Any:
-        leaves, structure = jax.tree.flatten(inputs)
-        heed_edits(structure)
-        if structure not in self._plans:
-            with tracing():
-                self._plans[structure] = self._planned(inputs)
-        plan, kernel = self._plans[structure]
-        shape, computed = _shape_of(leaves), iter(())
-        if kernel is not None:
-            used = [leaves[place] for place in plan.used]
-            needed = _shape_of(used)
-            computed = iter(_run(kernel, used, needed, lanes_per_thread=16_384))
-        results = [
-            np.asarray(next(computed) if place is None else leaves[place], float)
-            for place in plan.passed
-        ]
-        spread = (x if x.shape == shape else np.broadcast_to(x, shape) for x in results)
-        return jax.tree.unflatten(jax.tree.structure(plan.results), list(spread))
-
-    def _planned(self, inputs: tuple) -> tuple:
-        """Give the plan, and what runs it."""
-        structure = jax.tree.structure(inputs)
-
-        def compiled() -> _Plan:
-            plan, reduced = _plan_of(self.function, structure)
-            if None not in plan.passed:
-                return plan
-            of_lanes, ended = jax.vmap(reduced), np.zeros(1, bool)
-            # All is done as a lane ends, so that nothing is kept of it before.
-            functions = LaneFunctions(
-                lambda inputs: (),
-                lambda state: (state, ended),
-                lambda inputs, _: of_lanes(*inputs),
-            )
-            one = jax.ShapeDtypeStruct((1,), float)
-            code = compile_code(functions, [one] * len(plan.used))
-            return plan._replace(code=code)
-
-        try:
-            plan = _kept([self.function], inputs, compiled)
-            return plan, plan.code and KernelSet([Kernel(plan.code, None)])
-        except NoMachineCode as problem:
-            without_machine_code(problem)
-            plan, reduced = _plan_of(self.function, structure)
-            rows = jax.tree.structure([*plan.used])
-            return plan, _ByXla((reduced, _stop, lambda state: state), rows)
-
-
-def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:
-    """Give the plan of a function, and the function that has to be computed."""
-
-    def flat(*leaves):
-        results = function(*jax.tree.unflatten(structure, leaves))
-        return jax.tree.map(lambda x: jnp.asarray(x, float), results)
-
-    one = [jax.ShapeDtypeStruct((), float)] * structure.num_leaves
-    traced, results = jax.make_jaxpr(flat, return_shape=True)(*one)
-    places = {variable: place for place, variable in enumerate(traced.jaxpr.invars)}
-    # Literals among the operands have no place, and cannot be looked up.
-    atoms = [x for equation in traced.jaxpr.eqns for x in equation.invars]
-    used = sorted({places[x] for x in atoms if is_variable(x) and x in places})
-    used = used or [0]  # A program needs some input.
-    passed = [places.get(x) if is_variable(x) else None for x in traced.jaxpr.outvars]
-
-    function_traced = jaxpr_as_fun(traced)
-
-    def reduced(*values):
-        by_place = dict(zip(used, values, strict=True))
-        computed = function_traced(*(by_place.get(i, 0.0) for i in range(len(one))))
-        return [x for x, place in zip(computed, passed, strict=True) if place is None]
-
-    return _Plan(used, passed, _template(jax.tree.structure(results))), reduced
-
-
-closed_form = ClosedProgram
-"""Decorator of a function of scalars that needs no steps."""
-
-
-def _stop(state):
-    return state, jnp.zeros((), bool)

@@ -153,8 +153,13 @@ def _constants_of(block: Block) -> BlockConstants:
 
 
 @closed_form
-def _frictions_of(slider, friction_angle: Values, rolling_angle: Values) -> tuple:
-    return jnp.tan(rolling_angle), slider.friction(friction_angle)
+def _sliding_friction(slider, friction_angle: Values) -> Values:
+    return slider.friction(friction_angle)
+
+
+@closed_form
+def _tangent(angle: Values) -> Values:
+    return jnp.tan(angle)
 
 
 @dataclasses.dataclass
@@ -354,7 +359,8 @@ def _ground_of_blocks(
     soil, angle = jax.tree.map(
         np.atleast_2d, (surface.soil, surface.rolling_friction_angle)
     )
-    frictions = _frictions_of(soil.slider, soil.friction_angle, angle)
+    # Two programs: what only one of them varies by, blocks or segments, stays so small.
+    frictions = _tangent(angle), _sliding_friction(soil.slider, soil.friction_angle)
     return jax.tree.map(
         lambda values: spread(values, blocks, segments),
         GroundOfBlocks(soil, *frictions),

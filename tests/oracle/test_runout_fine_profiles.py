@@ -6,13 +6,14 @@ import pytest
 from runout_scenes import ellipse, height_over
 
 from jaximpact import Block
+from jaximpact.backend.simd.tables import address_of
 from jaximpact.runout import Profile, Release
 from jaximpact.runout.blocks import Body, fly, select
 from jaximpact.runout.contacts.impact import free_fraction
-from jaximpact.runout.flight.flights import FEW, follow_flights, watched_segments
-from jaximpact.runout.flight.narrow_phase import Piece
+from jaximpact.runout.covers import cover_table
+from jaximpact.runout.flight.flights import follow_flights
+from jaximpact.runout.flight.ground_search import first_contact
 from jaximpact.runout.flight.placement import check_release, lying_height
-from jaximpact.runout.flight.time_of_impact import search
 from jaximpact.shapes import Ellipsoid, RectangularPrism
 
 SHAPES = (
@@ -66,9 +67,11 @@ def by_every_segment(body, outline, profile):
     border = np.where(body.v_x > 0.0, x[-1], x[0]) - body.x
     still = body.v_x == 0.0
     leaves = np.where(still, LONG, border / np.where(still, 1.0, body.v_x))
-    found = search(
-        *(select(body, lane), select(outline, lane)),
-        (Piece(x[i], y[i], x[i + 1], y[i + 1]),),
+    # The tree of a profile of one segment is that segment.
+    trees = [cover_table(x[j : j + 2], y[j : j + 2]) for j in range(segments)]
+    addresses = np.array([address_of(tree) for tree in trees])
+    found = first_contact(
+        *(select(body, lane), select(outline, lane), addresses[i]),
         *(size[lane], leaves[lane]),
     )
     times = np.where(found.touched > 0.0, found.time, np.inf)
@@ -122,18 +125,6 @@ def test_a_flight_does_not_depend_on_the_others(shape):
         alone = follow_flights(*some, profile, limit[lanes])
         for column, expected in zip(alone, together, strict=True):
             np.testing.assert_array_equal(column, expected[lanes])
-
-
-@pytest.mark.parametrize("segments", [2, FEW, FEW + 1, 5000])
-def test_no_search_watches_more_than_four_segments(segments):
-    x = np.linspace(0.0, 40.0, segments + 1)
-    profile = Profile(x, -0.5 * x)
-    body = Body(*(np.full(3, v) for v in (20.0, -5.0, 2.0, -1.0, 0.3, 1.0)))
-    size = np.array([0.01, 0.5, 5.0])
-    watched = list(watched_segments(body, size, profile))
-    lanes = np.sum([chosen for chosen, _ in watched], axis=0)
-    np.testing.assert_array_equal(lanes, 1)
-    assert all(some is None or len(some.pieces) <= 4 for _, some in watched)
 
 
 def cut(profile, pieces):

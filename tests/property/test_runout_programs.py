@@ -14,13 +14,14 @@ from runout_scenes import SLOPE_STUDY, ellipse
 from jaximpact import Block, Impact
 from jaximpact.backend.simd import kernel
 from jaximpact.backend.simd.object_files import module_of
+from jaximpact.backend.simd.tables import address_of
 from jaximpact.finding import find_part
 from jaximpact.identity import described
 from jaximpact.rebound import AbstractRebound
-from jaximpact.runout import blocks
+from jaximpact.runout import Profile, blocks
 from jaximpact.runout.contacts import contact_models
-from jaximpact.runout.flight import time_of_impact
-from jaximpact.runout.lane_programs import ClosedProgram, LaneProgram, closed_form
+from jaximpact.runout.flight.ground_search import first_contact
+from jaximpact.runout.lane_programs import LaneProgram, closed_form
 
 LAW = """
 from jaximpact.parameters import parameter
@@ -73,9 +74,7 @@ def compiled(monkeypatch):
 
 def of_a_new_process(program):
     """The program without what this process has of it."""
-    if isinstance(program, LaneProgram):
-        return LaneProgram(*program.functions)
-    return ClosedProgram(program.function)
+    return LaneProgram(*program.functions, names=program.names)
 
 
 def found():
@@ -92,13 +91,14 @@ def test_a_program_is_compiled_once(cache, compiled):
 
 def test_a_loop_is_kept_by_its_functions(cache, compiled):
     body = blocks.Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, 5.0)))
-    piece = time_of_impact.Piece(-50.0, 0.0, 50.0, 0.0)
-    given = body, ellipse(np.array([0.5]), np.array([0.2])), (piece,), 50.0, 1e3
-    expected = of_a_new_process(time_of_impact.search)(*given)
-    value = of_a_new_process(time_of_impact.search)(*given)
+    outline = ellipse(np.array([0.5]), np.array([0.2]))
+    covers = Profile([-50.0, 50.0], [0.0, 0.0]).covers
+    given = body, outline, address_of(covers), 50.0, 1e3
+    expected = of_a_new_process(first_contact)(*given)
+    value = of_a_new_process(first_contact)(*given)
     assert len(compiled) == 1
     np.testing.assert_array_equal(value, expected)
-    begin, step, finish = time_of_impact.search.functions
+    begin, step, finish = first_contact.functions
     LaneProgram(begin, lambda state: step(state), finish)(*given)
     assert len(compiled) == 2
 

@@ -30,7 +30,7 @@ def add(state):
     return (table, below, total + first * last), row > 0.0
 
 
-def total_of(state):
+def total_of(_, state):
     return state[2]
 
 

@@ -7,23 +7,14 @@ from numpy.typing import ArrayLike
 
 from ..._checks import expect, real_numbers
 from ...io.checks import warn_unusual
-from ...scene import GRAVITY, Scene
-from ...shapes import AbstractElliptic, shape_by_shape
+from ...scene import Scene
+from ...shapes import shape_by_shape
 from .. import libm
-from ..blocks import BlockOutline, Body, Release, common_shape, select
+from ..blocks import BlockOutline, Body, Release, common_shape, fly
 from ..coordinates import HIGHEST_CLIFF, RESOLVED
 from ..lane_programs import closed_form
-from ..terrain import Ground, Profile, in_pairs
+from ..terrain import Ground, Profile
 from .flights import follow_flights
-from .narrow_phase import Piece
-from .time_of_impact import begin
-
-
-@closed_form
-def _depths(body: Body, outline: BlockOutline, piece: Piece):
-    """Compute the depths of blocks in segments [m], 0 for none."""
-    (depth,) = begin(body, outline, (piece,), 0.0, 0.0).depths
-    return depth
 
 
 def check_release(release: Release, profile: Profile) -> None:
@@ -41,20 +32,8 @@ def check_release(release: Release, profile: Profile) -> None:
         )
     body, outline = release.body, release.outline
     _check_resolution(release, outline.smallest, profile)
-    depth = np.zeros(release.count)
-    size = outline.largest
-    for lane, segment in in_pairs(
-        *profile.columns_between(body.x - size, body.x + size)
-    ):
-        x, y = profile.x, profile.y
-        top = np.maximum(y[segment], y[segment + 1])
-        near = top >= body.y[lane] - size[lane]
-        lane, i = lane[near], segment[near]
-        piece = Piece(x[i], y[i], x[i + 1], y[i + 1])
-        here = select((body, outline), lane)
-        depths = shape_by_shape(lambda here, piece: _depths(*here, piece), here, piece)
-        np.maximum.at(depth, lane, depths)
-    buried = depth > 1e-6 * outline.smallest  # more than rounding
+    lying = lying_height(profile, outline, body.x, body.orientation)
+    buried = body.y < lying - 1e-6 * outline.smallest  # more than rounding
     if np.any(buried):
         i = int(np.argmax(buried))
         ground = float(profile.height(release.x[i]))
@@ -90,61 +69,18 @@ def _check_resolution(release: Release, size: np.ndarray, profile: Profile) -> N
 def lying_height(
     profile: Profile, outline: BlockOutline, x: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    r"""Compute the height y of the centre of a block lying on the ground [m].
+    """Compute the height y of the centre of a block lying on the ground [m]: where it
+    comes down, without turning, from above all ground."""
 
-    With an ellipse's extents $w$ across and $r$ upwards, $w^2 = H^2\sin^2\varphi +
-    R^2\cos^2\varphi$, and $c = (H^2 - R^2)\sin\varphi\cos\varphi$, its lower side is
+    def fall(outline, x, orientation):
+        top = np.max(profile.y) + 2.0 * outline.largest
+        still = np.zeros(len(x))
+        body = Body(x, top, still, still, orientation, still)
+        # Every fall has ended within a million seconds.
+        ends = follow_flights(body, outline, profile, np.full(len(x), 1e6))
+        return np.where(ends.touched, fly(body, ends.time).y, -np.inf)
 
-    $$ l(d) = \frac{c}{w^2} d - \frac{HR}{w}\sqrt{1 - d^2/w^2} $$
-
-    at a distance d from the centre. It lies on the ground where the centre's height is
-    the largest of ground less lower side; that difference is concave over each segment.
-    A block of another shape falls, without turning, from above all ground.
-    """
-    return shape_by_shape(
-        lambda outline, *blocks: _lying_height(profile, outline, *blocks),
-        *(outline, x, orientation),
-    )
-
-
-def _lying_height(
-    profile: Profile, outline: BlockOutline, x: np.ndarray, orientation: np.ndarray
-) -> np.ndarray:
-    """Compute `lying_height` of blocks of one shape."""
-    if isinstance(outline.shape, AbstractElliptic):
-        return _lying_height_of_ellipse(profile, outline, x, orientation)
-    top = np.max(profile.y) + 2.0 * outline.largest
-    still = np.zeros(len(x))
-    body = Body(x, top, still, still, orientation, still)
-    # Every fall has ended within a million seconds.
-    ends = follow_flights(body, outline, profile, np.full(len(x), 1e6))
-    return np.where(ends.touched, top - 0.5 * GRAVITY * ends.time**2, -np.inf)
-
-
-def _lying_height_of_ellipse(
-    profile: Profile, outline: BlockOutline, x: np.ndarray, orientation: np.ndarray
-) -> np.ndarray:
-    major, minor = (np.asarray(axis) for axis in outline.axes[:2])
-    sin, cos = libm.sin(orientation), libm.cos(orientation)
-    width = np.hypot(major * sin, minor * cos)
-    tilt = (major**2 - minor**2) * sin * cos / width**2
-    depth = major * minor / width
-    height = np.full(np.shape(x), -np.inf)
-    slopes = np.diff(profile.y) / np.diff(profile.x)
-    for lane, i in in_pairs(*profile.columns_between(x - width, x + width)):
-        slope, across, down = slopes[i], width[lane], depth[lane]
-        left = (profile.x[i] - x[lane]) / across
-        right = (profile.x[i + 1] - x[lane]) / across
-        steep = (slope - tilt[lane]) * across / down
-        place = np.clip(
-            steep / np.sqrt(1.0 + steep**2), np.maximum(left, -1), np.minimum(right, 1)
-        )
-        ground = profile.y[i] + slope * (place - left) * across
-        curved = np.sqrt(np.maximum(1.0 - place**2, 0.0))
-        lower = tilt[lane] * place * across - down * curved
-        over = (left <= 1.0) & (right >= -1.0)
-        np.maximum.at(height, lane[over], (ground - lower)[over])
-    return height
+    return shape_by_shape(fall, outline, x, orientation)
 
 
 @closed_form

@@ -5,13 +5,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from runout_scenes import ellipse
+from runout_scenes import ellipse, height_over
 
+from jaximpact.backend.simd.tables import address_of
 from jaximpact.runout import Profile
 from jaximpact.runout.blocks import Body, fly, select
-from jaximpact.runout.flight import time_of_impact as contact_search
-from jaximpact.runout.flight.flights import earliest, follow_flights
-from jaximpact.runout.flight.narrow_phase import Piece
+from jaximpact.runout.flight import ground_search
+from jaximpact.runout.flight.flights import follow_flights
+from jaximpact.runout.flight.placement import lying_height
 from jaximpact.runout.lane_programs import LaneProgram
 
 FASTEST = np.radians(20_000.0)
@@ -152,29 +153,58 @@ def test_a_line_of_many_segments_is_that_line():
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=20)
 def test_nothing_is_reached_before_its_time(seed):
+    """By a sphere, whose distance from each segment is exact: of all segments, and of
+    the one touched at its end."""
     generator = np.random.default_rng(seed)
     profile = profile_of(generator, 12)
-    largest = generator.uniform(0.1, 2.0, 1)
+    n = 5
+    r = generator.uniform(0.1, 2.0, n)
+    outline = ellipse(r, r)
+    x = generator.uniform(profile.x[0], profile.x[-1], n)
     body = Body(
-        generator.uniform(profile.x[0], profile.x[-1], 1),
-        generator.uniform(-2.0, 5.0, 1),
-        generator.choice([0.0, 1.0, -9.0], 1),
-        generator.normal(0.0, 5.0, 1),
-        np.zeros(1),
-        np.zeros(1),
+        x,
+        lying_height(profile, outline, x, np.zeros(n))
+        + generator.uniform(0.0, 4.0, n) * generator.choice([0.0, 1.0], n),
+        generator.choice([0.0, 1.0, -9.0], n),
+        generator.normal(0.0, 5.0, n),
+        *np.zeros((2, n)),
     )
-    times = np.linspace(0.0, 5.0, 2001)
-    path = fly(body, times)
-    for segment, first in enumerate(earliest(body, largest, profile)[0]):
-        before = times[times < first]
-        # distance of the path from the segment
-        start = np.array([profile.x[segment], profile.y[segment]])
-        way = np.array([profile.x[segment + 1], profile.y[segment + 1]]) - start
-        place = np.stack([path.x, path.y], axis=1)[: len(before)] - start
-        share = np.clip(place @ way / (way @ way), 0.0, 1.0)
-        distance = np.linalg.norm(place - share[:, None] * way, axis=1)
-        above = profile.height(path.x[: len(before)]) < path.y[: len(before)]
-        assert np.all(distance[above] > largest[0] * (1.0 - 1e-9))
+    ends = follow_flights(body, outline, profile, np.full(n, 5.0))
+    for lane in range(n):
+        times = np.linspace(0.0, ends.time[lane], 2001)
+        path = fly(select(body, [lane]), times)
+        distance = height_over(path.x, path.y, profile)
+        assert np.min(distance) > r[lane] * (1.0 - 3e-9)
+        if ends.touched[lane] and ends.time[lane] > 0.0:
+            assert distance[-1] == pytest.approx(r[lane], rel=1e-11)
+
+
+@pytest.mark.parametrize("points", [3, 12, 60, 300])
+def test_a_flight_over_the_mirrored_ground_takes_as_long(points):
+    """To rounding, however the search comes to the contact: far below the gap within
+    which a block touches."""
+    for seed in range(5):
+        generator = np.random.default_rng(seed)
+        profile = profile_of(generator, points)
+        back = Profile(-profile.x[::-1], profile.y[::-1])
+        n = 20
+        major = generator.uniform(0.1, 1.0, n)
+        outline = ellipse(major, major / generator.uniform(1.0, 4.0, n))
+        body = Body(
+            generator.uniform(profile.x[0], profile.x[-1], n),
+            np.full(n, np.max(profile.y) + 2.0),
+            generator.normal(0.0, 8.0, n),
+            generator.normal(0.0, 3.0, n),
+            *generator.normal(0.0, 3.0, (2, n)),
+        )
+        turned = Body(-body.x, body.y, -body.v_x, body.v_y, *(-v for v in body[4:]))
+        limit = np.full(n, 50.0)
+        there = follow_flights(body, outline, profile, limit)
+        again = follow_flights(turned, outline, back, limit)
+        np.testing.assert_array_equal(there.touched, again.touched)
+        np.testing.assert_allclose(there.time, again.time, rtol=0.0, atol=1e-13)
+        np.testing.assert_allclose(there.normal_x, -again.normal_x, atol=1e-12)
+        np.testing.assert_allclose(there.gap, 0.0, atol=1e-13)
 
 
 def test_a_block_that_climbs_out_of_the_ground_comes_down_on_it():
@@ -195,15 +225,15 @@ def test_a_block_that_climbs_out_of_the_ground_comes_down_on_it():
 
 
 def test_a_search_that_runs_out_of_steps_says_so(monkeypatch):
-    monkeypatch.setattr(contact_search, "MAX_STEPS", 2)
+    monkeypatch.setattr(ground_search, "MAX_STEPS", 2)
     # A function of its own: JAX keeps what it has traced by the function.
     impatient = LaneProgram(
-        contact_search.begin, lambda w: contact_search.step(w), contact_search.finish
+        ground_search.begin, lambda w: ground_search.step(w), ground_search.finish
     )
     body = Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, FASTEST)))
     outline = ellipse(np.array([0.53]), np.array([0.13]))
-    pieces = (Piece(-50.0, 0.0, 50.0, 0.0),)
-    found = impatient(body, outline, pieces, 50.0, 1e3)
+    covers = Profile([-50.0, 50.0], [0.0, 0.0]).covers
+    found = impatient(body, outline, address_of(covers), 50.0, 1e3)
     assert found.given_up[0] == 1.0
     assert found.touched[0] == 0.0
 
@@ -211,12 +241,17 @@ def test_a_search_that_runs_out_of_steps_says_so(monkeypatch):
 def test_machine_code_does_what_the_functions_say():
     body = Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, 40.0)))
     outline = ellipse(np.array([0.5]), np.array([0.2]))
-    pieces = (Piece(*(np.array([v]) for v in (-50.0, 0.0, 50.0, -20.0))),)
-    inputs = body, outline, pieces, np.array([50.0]), np.array([1e3])
-    found = contact_search.search(*inputs)
-    watch, going = contact_search.begin(*jax.tree.map(jax.numpy.asarray, inputs)), True
+    # Of two covers, so that the search goes through a tree.
+    profile = Profile(np.linspace(-50.0, 50.0, 7), np.linspace(0.0, -20.0, 7))
+    address = np.array([address_of(profile.covers)])
+    inputs = body, outline, address, np.array([50.0]), np.array([1e3])
+    found = ground_search.first_contact(*inputs)
+    inputs = jax.tree.map(jax.numpy.asarray, inputs)
+    search, going = ground_search.begin(*inputs), True
     while going:
-        watch, going = contact_search.step(watch)
+        search, going = ground_search.step(search)
+    assert found.touched[0] == 1.0
     # One unit in the last place of a sine, some steps long.
-    for one, other in zip(found, contact_search.finish(watch), strict=True):
+    expected = ground_search.finish(inputs, search)
+    for one, other in zip(found, expected, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
