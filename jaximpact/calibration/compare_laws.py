@@ -323,7 +323,7 @@ def compare(
         exact: whether each fit without a test is made to the end; otherwise one step
             from the fit to all stands for it where it is short.
         fit, ground, block, targets, sigma, scatter, seed: as for `calibrate`.
-        progress: as for `calibrate`; each line says about how long the rest will take.
+        progress: as for `calibrate`.
 
     Laws of the ground are compared on all targets. Laws of rebound predict coefficients
     and velocities alone: where other targets were measured too, they are compared with

@@ -1,8 +1,7 @@
 """Comparison of laws on the same tests, by their predictions of what they have not
 seen."""
 
-import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,6 @@ from ...errors import InputError, did_you_mean
 from ...progress import tell, within
 from ...scene_quantities import SHAPE
 from ..diagnostics.results import VariantResult
-from ..estimation.evolution import PER_UNKNOWN, spread
 from ..problem.config import Study
 from ..problem.dataset import CAMPAIGN
 from .contenders import Contender, Law, contenders_of
@@ -21,7 +19,6 @@ from .fitted_law import (
     LawFit,
     fit_law,
     law_fit,
-    objective_of,
     of_targets,
     predicted_by_rebound,
 )
@@ -29,11 +26,6 @@ from .held_out import HeldOut, held_out
 from .ranking import Ranking, ranking, stacking_weights
 
 TEST = "test"
-COMPILED, EVALUATIONS = 3.0, 40.0
-"""Seconds that a law of the ground takes to compile, and the work of its fit and scores
-in generations of its search; both measured on the studies of the project."""
-SHORT = 2.0
-"""Seconds that a law of rebound takes, or one that is fitted already."""
 
 By = str | Sequence[str] | None
 """Columns whose groups are left out; None for campaign and shape."""
@@ -179,9 +171,9 @@ def compare_study(
     contenders, of_rebound = check_comparison(study, laws, by)
     common = of_rebound.targets
     found, refused = [], {}
-    for contender, told in _in_turn(contenders, study, fits):
+    for number, contender in enumerate(contenders, 1):
         own = of_rebound if contender.is_rebound else study
-        with within(told):
+        with within(f"law {number} of {len(contenders)}: "):
             tell(contender.name)
             try:
                 fit = _fit(contender, own, fits)
@@ -203,48 +195,10 @@ def compare_study(
     return _ranked(study, grounds, by, refused)._replace(with_rebound=beside)
 
 
-def _in_turn(
-    contenders: list[Contender], study: Study, fits: Sequence[VariantResult]
-) -> Iterator[tuple[Contender, str]]:
-    """Yield each law, with its number and about how long all that are left will take,
-    in words."""
-    begin, last = time.monotonic(), len(contenders)
-    expected = _expected_seconds(contenders, study, fits)
-    for number, contender in enumerate(contenders):
-        left = float(np.sum(expected[number:]))
-        if number:
-            # As much slower or faster as the laws before.
-            left *= (time.monotonic() - begin) / float(np.sum(expected[:number]))
-        duration = f"{left:.0f} s" if left < 90.0 else f"{left / 60.0:.0f} min"
-        yield contender, f"law {number + 1} of {last}, about {duration} left: "
-
-
-def _expected_seconds(
-    contenders: list[Contender], study: Study, fits: Sequence[VariantResult]
-) -> np.ndarray:
-    """Estimate how long the fit and the scores of each law take [s], shape (laws,), to
-    a factor of two, from the time that a few impacts take."""
-    long = [not c.is_rebound and _known(c, fits) is None for c in contenders]
-    seconds = np.full(len(contenders), SHORT)
-    if any(long):
-        objective = objective_of(study, contenders[long.index(True)]).rough()
-        x = spread(objective, PER_UNKNOWN * len(objective.bounds.lower))
-        objective.values(x)  # compiled, if it was not
-        begin = time.perf_counter()
-        objective.values(x)
-        once = time.perf_counter() - begin
-        seconds[long] = COMPILED + EVALUATIONS * once
-    return seconds
-
-
-def _known(contender: Contender, fits: Sequence[VariantResult]) -> VariantResult | None:
-    """Find the fit of a contender that is a variant of the study as it stands."""
-    own = (fit for fit in fits if contender.law is fit.variant and not contender.more)
-    return next(own, None)
-
-
 def _fit(contender: Contender, study: Study, fits: Sequence[VariantResult]) -> LawFit:
-    known = _known(contender, fits)
+    """Fit a law, unless it is a variant of the study as it stands."""
+    own = (fit for fit in fits if contender.law is fit.variant and not contender.more)
+    known = next(own, None)
     if known is None:
         return fit_law(study, contender)
     return law_fit(contender.name, known.objective, known.points)
