@@ -21,6 +21,7 @@ from ..scene import Scene
 from ..shapes import Foundation
 from .dynamics import (
     ARM,
+    INITIAL_SINKING,
     Contact,
     Forces,
     ImpactConstants,
@@ -194,6 +195,16 @@ class Problem(eqx.Module):
     def passing_time(self) -> Scalar:
         """Time in which the block moves by its semi-axis R [s]."""
         return self.ground.axes.minor / self.speed_scale
+
+    @property
+    def settled_sinking(self) -> Scalar:
+        """Sinking from which normal forces count [m].
+
+        Before, the load that the springs have at the start relaxes. It is nobody's
+        result, and may be a thousand times as large as all that follows: under narrow
+        contacts, where moduli go with the pressure.
+        """
+        return 2.0 * INITIAL_SINKING * self.ground.axes.minor
 
     def contact(self, rows, branch: Branch | None = None) -> tuple[Motion, Contact]:
         """Return the named state and contact, from the rows of the state vector."""

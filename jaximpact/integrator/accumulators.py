@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 
 from .._safe import safe_sqrt
 from .._types import Scalar
-from ..impact.dynamics import ARM, INITIAL_SINKING, Work
+from ..impact.dynamics import ARM, Work
 from ..impact.events import SWITCHED_OFF, Margins, at_start, branch_of
 from ..impact.problem import Observed, Problem, Watched
 from ..laws import Branch
@@ -26,10 +26,6 @@ Step = DenseOutput | SolverStep
 INITIAL_MARGIN = 1e-6
 """Margin that stands for those before the first step, whose true values may be less
 than what counts as zero."""
-SETTLED = 2.0 * INITIAL_SINKING
-"""Sinking over R from which normal forces count. Before, the load that the springs have
-at the start relaxes. It is nobody's result, and may be a thousand times as large as all
-that follows: under narrow contacts, where moduli go with the pressure."""
 PROGRESS = 0.01
 """Width over time reached above which a step at the onset is progress."""
 ONSET = 1e-3
@@ -43,8 +39,8 @@ class Fold(NamedTuple):
     """Quantities accumulated over the accepted steps."""
 
     peaks: Observed
-    """Largest values; that of the normal force counts from the step on in which the
-    foundation has sunk by `SETTLED`, where it comes to that."""
+    """Largest values; normal forces count from the step on in which the foundation has
+    come to `Problem.settled_sinking`, if it does."""
     peak_times: Observed
     largest_force: Scalar
     """Largest normal force, that of the start included [N]: the scale of margins and of
@@ -152,7 +148,7 @@ def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) ->
     turned = jnp.any(turns, axis=0)
     late = _time_since_switch(watched, watched_rate, turns, time + width)
     peaks, times, largest_force = [], [], fold.largest_force
-    settled = SETTLED * problem.ground.axes.minor
+    settled = problem.settled_sinking
     for name in Observed._fields:
         start, start_rate, end, end_rate = (
             getattr(of.observed, name)

@@ -50,6 +50,8 @@ class KelvinVoigt(eqx.Module):
     model = VERTICAL._replace(unknowns=("penetration", "normal_velocity"))
     ledger = False
     ground = SimpleNamespace(soil=Soil())
+    settled_sinking = -jnp.inf
+    """All forces count, that of the start too."""
 
     @property
     def scale(self):

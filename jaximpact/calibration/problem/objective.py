@@ -107,9 +107,9 @@ class Objective:
         errors are small beside every sigma."""
         study, balanced = self.study, PRESETS["balanced"]
         known = study.known
-        # Of wider sigmas the errors at "balanced", 1e-6 of most values and 5e-4 of their
-        # derivatives, change a fit by less than 0.01 standard errors. Single values are
-        # off by more: e_t within a tenth of a degree of the normal by a hundredth.
+        # Of wider sigmas the errors at "balanced", 1e-6 of most values and 5e-4 of
+        # their derivatives, change a fit by less than 0.01 standard errors. Single
+        # values are off by more: e_t within 0.1 degrees of the normal by a hundredth.
         close = np.any(self.sigma[known] < 1e-3 * np.abs(study.measured[known]))
         if close or self.accuracy.tolerance >= balanced.tolerance:
             return self
