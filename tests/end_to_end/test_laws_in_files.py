@@ -1,11 +1,13 @@
 """Laws and shapes by name: in scene files, tables, sweeps and sensitivities."""
 
+import dataclasses
 import json
 import os
 import shutil
 import subprocess
 import sys
 
+import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -338,6 +340,23 @@ def test_sensitivity_to_parameters_of_a_law(scene):
     assert effects.parameter.values.tolist() == [*RANGES]
     assert np.all(effects.mean_absolute_effect > 0.0)
     assert np.all(np.isfinite(indices.total_order))
+
+
+def test_derivatives_by_a_parameter_of_a_law(scene):
+    """In both modes, by the kernels of the elasticities above."""
+
+    def depth(creep):
+        soil = dataclasses.replace(scene.soil, my_creep=creep)
+        own = Scene(scene.block, soil, scene.impact)
+        return simulate(own, accuracy="reference", ledger=False).max_penetration
+
+    # A step so long that the error of results, 1e-7, is a small part of what it does;
+    # derivatives at "reference" are good to 1e-4.
+    at, step = 0.1, 1e-2
+    difference = (depth(at + step) - depth(at - step)) / (2.0 * step)
+    forward = jax.jacfwd(depth)(at)
+    np.testing.assert_allclose(forward, difference, rtol=1e-3)
+    np.testing.assert_allclose(jax.grad(depth)(at), forward, rtol=1e-12)
 
 
 def test_elasticities_along_shapes(laws):
