@@ -10,6 +10,8 @@ import tempfile
 import jax
 import pytest
 from hypothesis import settings
+from jax._src import pjit
+from jax._src.interpreters import pxla
 from text_files import write_changed
 
 from jaximpact.backend.xla_compilation import keep_programs
@@ -32,6 +34,20 @@ gc.set_threshold(50_000, 10, 20)
 # own each run would make failures come and go.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
+
+# JAX keeps the lowered form of each program, and with it a context of MLIR: the more of
+# them there are the longer takes another, a fifth of a second at 500. Names within JAX
+# may go.
+_LOWERED = [
+    getattr(pjit, "_pjit_lower", None),
+    getattr(pxla, "_cached_lowering_to_hlo", None),
+]
+
+
+def pytest_runtest_teardown():
+    """Drop lowered forms of what a test has compiled; the programs stay."""
+    for kept in _LOWERED:
+        getattr(kept, "cache_clear", lambda: None)()
 
 
 @pytest.fixture

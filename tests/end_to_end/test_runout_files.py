@@ -239,9 +239,11 @@ def test_writing_that_breaks_off_leaves_no_half(
     assert_one_line_error(capsys, message)
     left = {path.name for path in (tmp_path / "out").iterdir()}
     assert left == {"jaximpact-study.json", "blocks.journal"}
-    assert main(["runout", "slope.toml", "--out", "out"]) == 0
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names >= {*ON_MAP, "trajectories.csv", "report.html", "stops.png"}
+    if error is KeyboardInterrupt:
+        # What the same command does where it goes on
+        assert main(["runout", "slope.toml", "--out", "out"]) == 0
+        names = {path.name for path in (tmp_path / "out").iterdir()}
+        assert names >= {*ON_MAP, "trajectories.csv", "report.html", "stops.png"}
 
 
 # --- The page.

@@ -40,11 +40,14 @@ candidates = { speed_mps = [5, 20], angle_deg = [0, 40] }
 
 
 def results_of_model(columns, soil=None, **shape):
-    """What the model gives for tests on a soil, else the true one, and of a shape."""
+    """What the model gives for tests on a soil, else the true one, and of a shape, else
+    of ellipsoids."""
     soil = soil or Soil(**TRUE, dilatancy=0.5)
     speed = np.array(columns["speed_mps"])
     angle = np.array(columns.get("angle_deg", np.zeros(len(speed))))
     impact = Impact.from_degrees(speed, angle)
+    names = {"aspect_ratio"} & set(columns)
+    shape = shape or {name: np.array(columns[name]) for name in names}
     scene = Scene(Block(mass=np.array(columns["mass_kg"]), **shape), soil, impact)
     found = simulate_batch(scene, accuracy="reference")
     return {

@@ -675,14 +675,38 @@ def test_groups_of_numbers_are_those_of_all_laws():
     np.testing.assert_array_equal(part[measured], group[measured])
 
 
-def test_tests_of_another_ground_are_not_predicted():
-    tests = made_by(ConstantCoefficients(0.4, 0.8))
-    found = compare(tests, ["model", "constant coefficients"], fit=["c_v"])
+def comparison_of(tests, *laws):
+    """Grounds and laws compared with few starts of each fit."""
+    study = dataclasses.replace(study_of_columns(tests), starts=4)
+    return Comparison(compare_study(study, laws))
+
+
+GROUNDS = "model", "model with cohesion"
+
+
+@pytest.fixture(scope="module")
+def of_drops():
+    """Grounds and a law of rebound on drops that the model made without cohesion."""
+    draw = np.random.default_rng(1)
+    speed = np.linspace(3.0, 15.0, 8)
+    made = simulate_batch(Scene(Block(mass=100.0), Soil(), Impact(speed=speed)))
+    noise = draw.lognormal(0.0, 0.02, (2, 8))
+    tests = {
+        "mass_kg": np.full(8, 100.0),
+        "speed_mps": speed,
+        "e_n": made.e_n * noise[0],
+        "max_normal_force_N": made.max_normal_force * noise[1],
+    }
+    return comparison_of(tests, *GROUNDS, "constant coefficients")
+
+
+@pytest.mark.slow
+def test_tests_of_another_ground_are_not_predicted(of_drops):
     new = {"speed_mps": [10.0], "angle_deg": [30.0]}
     with pytest.raises(InputError, match="is FluidityRate, but the fit was made with"):
-        found.predict(new | {"flow": ["FluidityRate"]})
+        of_drops.predict(new | {"flow": ["FluidityRate"]})
     with pytest.raises(InputError, match="c_v: was fitted, and cannot be given"):
-        found.predict(new | {"c_v": [0.5]})
+        of_drops.predict(new | {"c_v": [0.5]})
 
 
 def test_what_is_not_predicted_without_its_test_has_no_error():
@@ -715,50 +739,37 @@ def test_groups_of_numbers_that_are_close():
     assert len(_all_groups(study, "speed_mps")[1][1]) > 1
 
 
-def test_cohesion_that_made_the_tests_is_found():
+@pytest.mark.slow
+@pytest.mark.parametrize("cohesion", [0.0, 60e3])
+def test_cohesion_that_made_the_tests_is_found(cohesion):
     """Its parameter more is paid for: without it the model ties."""
     draw = np.random.default_rng(3)
     mass, speed = np.exp(draw.uniform(0.0, 7.0, 24)), draw.uniform(3.0, 20.0, 24)
-    found = {}
-    for cohesion in (0.0, 60e3):
-        soil = Soil(c_v=0.5, gamma_v=4.0, k_E=400.0, cohesion=cohesion)
-        made = simulate_batch(Scene(Block(mass=mass), soil, Impact(speed=speed)))
-        noise = draw.lognormal(0.0, 0.03, (2, 24))
-        tests = {
-            "mass_kg": mass,
-            "speed_mps": speed,
-            "max_penetration_m": made.max_penetration * noise[0],
-            "max_normal_force_N": made.max_normal_force * noise[1],
-        }
-        found[cohesion] = compare(tests, ["model", "model with cohesion"])
-    assert found[60e3].preferred == "model with cohesion"
-    assert found[60e3].ties == ("model with cohesion",)
-    assert found[0.0].preferred == "model"
+    soil = Soil(c_v=0.5, gamma_v=4.0, k_E=400.0, cohesion=cohesion)
+    made = simulate_batch(Scene(Block(mass=mass), soil, Impact(speed=speed)))
+    noise = draw.lognormal(0.0, 0.03, (2, 24))
+    tests = {
+        "mass_kg": mass,
+        "speed_mps": speed,
+        "max_penetration_m": made.max_penetration * noise[0],
+        "max_normal_force_N": made.max_normal_force * noise[1],
+    }
+    found = comparison_of(tests, *GROUNDS)
+    if cohesion:
+        assert found.ties == ("model with cohesion",)
+    assert found.preferred == ("model with cohesion" if cohesion else "model")
 
 
 @pytest.mark.slow
-def test_grounds_on_all_targets_and_laws_of_rebound_on_theirs(tmp_path):
+def test_grounds_on_all_targets_and_laws_of_rebound_on_theirs(of_drops, tmp_path):
     """Nothing measured is dropped: each has its comparison, by one fit."""
-    draw = np.random.default_rng(1)
-    speed = np.linspace(3.0, 15.0, 8)
-    made = simulate_batch(Scene(Block(mass=100.0), Soil(), Impact(speed=speed)))
-    noise = draw.lognormal(0.0, 0.02, (2, 8))
-    tests = {
-        "mass_kg": np.full(8, 100.0),
-        "speed_mps": speed,
-        "e_n": made.e_n * noise[0],
-        "max_normal_force_N": made.max_normal_force * noise[1],
-    }
-    study = dataclasses.replace(study_of_columns(tests), starts=4)
-    laws = ["model", "model with cohesion", "constant coefficients"]
-    found = Comparison(compare_study(study, laws))
-    beside = found.with_rebound
+    found, beside = of_drops, of_drops.with_rebound
     assert found.targets == ("e_n", "max_normal_force_N")
-    assert set(found.laws) == {*laws[:2]}
+    assert set(found.laws) == {*GROUNDS}
     assert beside.targets == ("e_n",)
-    assert set(beside.laws) == {*laws}
+    assert set(beside.laws) == {*GROUNDS, "constant coefficients"}
     assert beside.with_rebound is None
-    for name in laws[:2]:
+    for name in GROUNDS:
         assert found.law(name).parameters == beside.law(name).parameters
         assert found.law(name).rms_left_out[0] == beside.law(name).rms_left_out[0]
     text = " ".join(str(found).split())

@@ -104,21 +104,17 @@ def test_simulate_gives_what_each_shape_gives_alone():
         np.testing.assert_array_equal(
             result.history.normal_force[chosen], expected.history.normal_force
         )
-    whole = simulate(scene, accuracy="fast").e_bar
     np.testing.assert_allclose(
-        simulate(result[4].scene, accuracy="fast").e_bar, whole[4]
+        simulate(result[4].scene, accuracy="fast").e_bar, result.e_bar[4]
     )
-    traced = jax.jit(
-        lambda speed: (
-            simulate(
-                Scene(scene.block, scene.soil, Impact(speed=speed)), accuracy="fast"
-            ).e_bar
-        )
-    )
-    still = Scene(scene.block, scene.soil, Impact(speed=scene.impact.speed))
-    np.testing.assert_allclose(
-        traced(scene.impact.speed), simulate(still, accuracy="fast").e_bar, rtol=1e-9
-    )
+
+    def upright(speed):
+        still = Scene(scene.block, scene.soil, Impact(speed=speed))
+        # With the ledger, whose planar kernels the batch above has.
+        return simulate(still, accuracy="fast", ledger=True).e_bar
+
+    speed = scene.impact.speed
+    np.testing.assert_allclose(jax.jit(upright)(speed), upright(speed), rtol=1e-9)
     with pytest.raises(InputError, match="JAX traces which block has which shape"):
         jax.jit(lambda scene: simulate(scene, accuracy="fast").e_bar)(scene)
 
