@@ -25,6 +25,9 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
     _CACHE = tempfile.TemporaryDirectory(prefix="jaximpact-tests-")
     os.environ["XDG_CACHE_HOME"] = _CACHE.name
 keep_programs()
+# Those of single operations too, which JAX keeps only if they took a second: a sixth of
+# the time.
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 
 # Programs that are traced and kept are millions of objects, through which Python's
 # collector would go again and again: a twentieth of the time for next to no memory.
