@@ -90,8 +90,9 @@ def test_what_is_shipped_is_what_is_compiled(model, mode):
 
 
 @for_this_machine
-def test_usual_scenes_compile_nothing(monkeypatch):
-    """Neither values nor derivatives, alone or many; other shapes do."""
+def test_usual_scenes_compile_nothing(cache, monkeypatch):
+    """Neither values nor derivatives, alone or many; other shapes do, where no test has
+    left their code in the cache."""
 
     def compiled(*_, **__):
         raise AssertionError("compiled")
