@@ -5,13 +5,12 @@ tests of commands."""
 import functools
 import gc
 import os
+import sys
 import tempfile
 
 import jax
 import pytest
 from hypothesis import settings
-from jax._src import pjit
-from jax._src.interpreters import pxla
 from text_files import write_changed
 
 from jaximpact.backend.xla_compilation import keep_programs
@@ -39,11 +38,13 @@ settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
 
 # JAX keeps the lowered form of each program, and with it a context of MLIR: the more of
-# them there are the longer takes another, a fifth of a second at 500. Names within JAX
-# may go.
+# them there are, the longer another one takes, a fifth of a second at 500. They are
+# private to JAX, so that later versions may have others, or none.
 _LOWERED = [
-    getattr(pjit, "_pjit_lower", None),
-    getattr(pxla, "_cached_lowering_to_hlo", None),
+    getattr(sys.modules.get("jax._src.pjit"), "_pjit_lower", None),
+    getattr(
+        sys.modules.get("jax._src.interpreters.pxla"), "_cached_lowering_to_hlo", None
+    ),
 ]
 
 

@@ -200,9 +200,9 @@ class Problem(eqx.Module):
     def settled_sinking(self) -> Scalar:
         """Sinking from which normal forces count [m].
 
-        Before, the load that the springs have at the start relaxes. It is nobody's
-        result, and may be a thousand times as large as all that follows: under narrow
-        contacts, where moduli go with the pressure.
+        Before, the load that the springs have at the start relaxes. It is no force of
+        the impact, and may be a thousand times as large as all that follow: on narrow
+        foundations, where moduli grow with the pressure.
         """
         return 2.0 * INITIAL_SINKING * self.ground.axes.minor
 

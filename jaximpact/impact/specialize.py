@@ -51,7 +51,7 @@ _IN_NUMPY = {
     "sub": np.subtract,
 }
 """Operations on floats and truths that are evaluated at once where all operands are
-known. JAX would compile a program for each of them, for a third of a second."""
+known. JAX would compile a program for each of them, a third of a second in all."""
 
 
 class _Known:
